@@ -1,0 +1,52 @@
+# Two commands do everything, set-up included: `make leaderboard` and `make test`.
+# They need python3 (3.11 or newer, with venv) and make, and keep what they install in .venv.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+export MUJOCO_GL ?= egl
+
+.PHONY: leaderboard quick test check pictures clean help
+
+leaderboard: $(VENV)/.run  ## score everybody, write leaderboard/ (about 5 minutes on two cores)
+	$(BIN)/fo-gym leaderboard --out leaderboard
+
+quick: $(VENV)/.run  ## the small protocol, to build/quick
+	$(BIN)/fo-gym leaderboard --quick --out build/quick
+
+test: $(VENV)/.dev system  ## run the tests
+	$(BIN)/python -m pytest -n 2 --dist loadgroup
+
+check: $(VENV)/.dev  ## ruff and mypy
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+pictures: $(VENV)/.dev system  ## redraw the pictures of the README
+	$(BIN)/python docs/pictures.py
+
+.PHONY: system
+system:  ## the system libraries that rendering needs
+	sh .ci/system-packages
+
+$(VENV)/.base: constraints.txt
+	$(PYTHON) -c 'import sys; sys.exit("fo-gym needs Python 3.11 or newer" if sys.version_info < (3, 11) else 0)'
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt pip
+	touch $@
+
+$(VENV)/.run: $(VENV)/.base pyproject.toml
+	@echo "installing fo-gym and what it needs into $(VENV)"
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable .
+	touch $@
+
+$(VENV)/.dev: $(VENV)/.run
+	@echo "installing what the tests need into $(VENV)"
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev,rl]'
+	touch $@
+
+clean:  ## remove the virtual environment and everything built
+	rm -rf $(VENV) build dist
+
+help:  ## show this
+	@grep -E '^[a-z]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 16

@@ -1,0 +1,115 @@
+"""PID- and PD-type friction observers with nominal feedback.
+
+M. J. Kim, F. Beck, C. Ott, A. Albu-Schaeffer, "Model-free Friction Observers for Flexible Joint Robots with Torque
+Measurements", arXiv:1907.00553. With e = theta_n - theta, the lag of the motor behind the nominal, friction-free one:
+
+    PID-type   tau_f_hat = -B L (e' + L_p e + L_i int e)     a (3,2)-order low-pass of tau_f
+    PD-type    tau_f_hat = -B L (e' + L_p e)                 a (2,1)-order low-pass of tau_f
+
+In discrete time the integral is the sum of control_dt times the past ticks' e.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baselines.gains import check_bandwidth, check_gain
+from fo_gym import JointInfo, Signals
+
+Array = NDArray[np.float64]
+
+__all__ = ["PDObserver", "PIDObserver", "pd_high", "pd_low", "pid_high", "pid_low"]
+
+
+class PDObserver:
+    """tau_f_hat = -B L (e' + L_p e), e = theta_n - theta.
+
+    tau_f_hat / tau_f = L (s + L_p) / (s^2 + L s + L L_p). At rest e = -tau_f / (B L L_p): it stops short of the target.
+
+    Args:
+        L: bandwidth [1/s], above 0.
+        Lp: [1/s], above 0.
+    """
+
+    feedback = "nominal"
+
+    def __init__(self, L: float, Lp: float) -> None:
+        self.L = check_gain(self, "L", L)
+        self.Lp = check_gain(self, "Lp", Lp)
+
+    def reset(self, joints: JointInfo, num_envs: int) -> None:
+        """Start new episodes. Raises ValueError where L is too fast for the sampling."""
+        check_bandwidth(self, self.L, joints)
+        self._gain = joints.motor_inertia * self.L
+
+    def estimate(self, signals: Signals) -> Array:
+        """tau_f_hat, (num_envs, dof), N or N m."""
+        e = signals.theta_n - signals.theta
+        e_dot = signals.theta_n_dot - signals.theta_dot
+        return -self._gain * (e_dot + self.Lp * e)
+
+
+class PIDObserver:
+    """tau_f_hat = -B L (e' + L_p e + L_i int e), e = theta_n - theta.
+
+    tau_f_hat / tau_f = L (s^2 + L_p s + L_i) / (s^3 + L s^2 + L L_p s + L L_i). No error remains at rest, but the
+    integral may hunt with stiction.
+
+    Args:
+        L: bandwidth [1/s], above 0.
+        Lp: [1/s], above 0.
+        Li: [1/s^2], above 0, with Lp^2 > 2 Li (the paper's condition for a passive observer).
+    """
+
+    feedback = "nominal"
+
+    def __init__(self, L: float, Lp: float, Li: float) -> None:
+        self.L = check_gain(self, "L", L)
+        self.Lp = check_gain(self, "Lp", Lp)
+        self.Li = check_gain(self, "Li", Li)
+        if not self.Lp**2 > 2.0 * self.Li:
+            raise ValueError(
+                f"PIDObserver: Lp^2 = {self.Lp**2:g} is not above 2 Li = {2 * self.Li:g}; "
+                f"raise Lp above {np.sqrt(2 * self.Li):.4g} or lower Li below {self.Lp**2 / 2:.4g}"
+            )
+
+    def reset(self, joints: JointInfo, num_envs: int) -> None:
+        """Start new episodes with an empty integral. Raises ValueError where L is too fast for the sampling."""
+        check_bandwidth(self, self.L, joints)
+        self._gain = joints.motor_inertia * self.L
+        self._dt = joints.control_dt
+        self._integral = np.zeros((num_envs, joints.dof))
+
+    def estimate(self, signals: Signals) -> Array:
+        """tau_f_hat, (num_envs, dof), N or N m."""
+        e = signals.theta_n - signals.theta
+        e_dot = signals.theta_n_dot - signals.theta_dot
+        estimate = -self._gain * (e_dot + self.Lp * e + self.Li * self._integral)
+        self._integral += self._dt * e
+        return estimate
+
+
+# Gains of arXiv:1907.00553, section V; a keyword replaces one of them.
+
+
+def pid_low(**gains: Any) -> PIDObserver:
+    """PID-type observer with the paper's low gains."""
+    return PIDObserver(**({"L": 50.0, "Lp": 10.0, "Li": 25.0} | gains))
+
+
+def pid_high(**gains: Any) -> PIDObserver:
+    """PID-type observer with the paper's high gains."""
+    return PIDObserver(**({"L": 100.0, "Lp": 20.0, "Li": 100.0} | gains))
+
+
+def pd_low(**gains: Any) -> PDObserver:
+    """PD-type observer with the paper's low gains."""
+    return PDObserver(**({"L": 50.0, "Lp": 10.0} | gains))
+
+
+def pd_high(**gains: Any) -> PDObserver:
+    """PD-type observer with the paper's high gains."""
+    return PDObserver(**({"L": 100.0, "Lp": 20.0} | gains))

@@ -1,0 +1,36 @@
+"""fo-gym: the benchmark for friction compensation on flexible robot joints.
+
+Importing this package registers FJRStiction-v0, FJRRegulation-v0 and FJRSquare-v0 with Gymnasium.
+"""
+
+from gymnasium.envs.registration import register
+
+from fo_gym.compensators import Compensator, CompensatorError, list_compensators, make_compensator
+from fo_gym.evaluation.evaluate import evaluate
+from fo_gym.parameters import FRICTIONLESS, FlexibleJoint, ImpedanceGains, JointInfo, LuGre, PDGains
+from fo_gym.sensors import Signals
+
+__version__ = "0.1.0"
+
+ENVIRONMENTS = ("FJRStiction-v0", "FJRRegulation-v0", "FJRSquare-v0")
+"""Ids of the registered environments."""
+
+for _id, _entry in zip(ENVIRONMENTS, ("stiction:Stiction", "regulation:Regulation", "square:Square"), strict=True):
+    # The environments truncate themselves at `duration`, so that `decimation` does not stretch time.
+    register(id=_id, entry_point=f"fo_gym.envs.{_entry}Env", vector_entry_point=f"fo_gym.envs.{_entry}VectorEnv")
+
+__all__ = [
+    "ENVIRONMENTS",
+    "FRICTIONLESS",
+    "Compensator",
+    "CompensatorError",
+    "FlexibleJoint",
+    "ImpedanceGains",
+    "JointInfo",
+    "LuGre",
+    "PDGains",
+    "Signals",
+    "evaluate",
+    "list_compensators",
+    "make_compensator",
+]

@@ -1,0 +1,166 @@
+"""The command line: `fo-gym list | evaluate | leaderboard`."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.table import Table
+
+import fo_gym
+from fo_gym.compensators import BUILT_IN
+from fo_gym.evaluation.evaluate import FAILED
+from fo_gym.evaluation.metrics import METRICS
+from fo_gym.evaluation.protocol import Protocol, load_protocol, shipped_protocols
+from fo_gym.evaluation.report import write_results
+from fo_gym.evaluation.run import Results, run_protocol
+from fo_gym.evaluation.tables import rankings
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    help="The benchmark for friction compensation on flexible robot joints.",
+)
+console = Console(width=None if sys.stdout.isatty() else 140)
+errors = Console(stderr=True)
+
+
+class _Stop(typer.Exit):
+    """End with a message and exit code 2."""
+
+    def __init__(self, message: str) -> None:
+        errors.print(f"[bold red]error:[/] {message}", highlight=False, soft_wrap=True)
+        super().__init__(code=2)
+
+
+def _run(protocol: Protocol, jobs: int) -> Results:
+    """Run a protocol behind a progress bar."""
+    names = [name for name in protocol.compensators if name not in BUILT_IN]
+    total = len(protocol.environments) * len(protocol.variants) * (1 + len(names))
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=errors) as progress:
+        task = progress.add_task("compiling kernels, starting", total=total)
+
+        def on_run(label: str) -> None:
+            progress.update(task, advance=1, description=label)
+            if not errors.is_terminal:
+                errors.print(label, highlight=False)
+
+        results = run_protocol(protocol, jobs=jobs, on_run=on_run)
+        progress.update(task, description="done")
+    return results
+
+
+def _print_rankings(results: Results) -> None:
+    for ranking in rankings(results.episodes):
+        view = Table(title=ranking.title)
+        for heading in ranking.headings:
+            view.add_column(escape(heading), justify="left" if heading in ("compensator", "verdict") else "right")
+        for row in ranking.cells:
+            view.add_row(*map(escape, row))
+        console.print(view)
+
+
+def _write(protocol: Protocol, results: Results, out: Path) -> None:
+    for path in write_results(protocol, results, out):
+        console.print(f"wrote {path}", highlight=False, soft_wrap=True)
+
+
+@app.command("list")
+def list_everything() -> None:
+    """Show the environments, compensators, metrics and protocols there are.
+
+    Example: fo-gym list
+    """
+    for env_id in fo_gym.ENVIRONMENTS:
+        console.print(f"environment  {env_id}", highlight=False)
+    for name in fo_gym.list_compensators():
+        console.print(f"compensator  {name}", highlight=False)
+    for name, metric in METRICS.items():
+        console.print(f"metric       {name} ({metric.better} is better): {metric.description}", highlight=False)
+    for name, path in shipped_protocols().items():
+        console.print(f"protocol     {name}: {path}", highlight=False, soft_wrap=True)
+
+
+@app.command()
+def evaluate(
+    compensators: Annotated[
+        list[str], typer.Argument(metavar="COMPENSATOR...", help="Registered name, module:Class or file.py:Class.")
+    ],
+    env: Annotated[str, typer.Option(help="Environment id; see `fo-gym list`.")] = "FJRStiction-v0",
+    variant: Annotated[str, typer.Option(help="nominal (one episode) or randomized.")] = "nominal",
+    seeds: Annotated[int, typer.Option(min=1, help="Episodes, from the validation seeds.")] = 20,
+    out: Annotated[Path | None, typer.Option(help="Folder for the CSV files, page and figures.")] = None,
+    jobs: Annotated[int, typer.Option(help="Worker processes; -1 = one per core.")] = -1,
+) -> None:
+    """Score compensators beside none, ideal and the paper's observers, on validation seeds.
+
+    Examples:
+        fo-gym evaluate my.py:Mine --env FJRStiction-v0
+
+        fo-gym evaluate pid-high --env FJRSquare-v0 --variant randomized --seeds 5 --out build/mine
+    """
+    try:
+        for name in compensators:
+            fo_gym.make_compensator(name)
+        others = [name for name in load_protocol("full").compensators if name not in compensators]
+        protocol = Protocol("evaluate", "validation", seeds, (env,), (variant,), (*compensators, *others))
+    except (ValueError, TypeError) as error:
+        raise _Stop(str(error)) from error
+    results = _run(protocol, jobs)
+    _print_rankings(results)
+    if out is not None:
+        _write(protocol, results, out)
+    _fail_if_failed(results, compensators)
+
+
+def _fail_if_failed(results: Results, compensators: list[str]) -> None:
+    """A compensator that the user asked for and that failed makes the command fail, after its row was shown."""
+    episodes = results.episodes
+    failed = episodes[(episodes["status"] == FAILED) & episodes["compensator"].isin(compensators)]
+    if len(failed):
+        raise _Stop(str(failed["error"].iloc[0]))
+
+
+@app.command("leaderboard")
+def run_leaderboard(
+    protocol: Annotated[str | None, typer.Option(help="TOML file, or the name of a shipped protocol.")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="The small protocol: two seeds.")] = False,
+    out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("leaderboard"),
+    jobs: Annotated[int, typer.Option(help="Worker processes; -1 = one per core.")] = -1,
+) -> None:
+    """Score every competitor on the same episodes and write leaderboard.csv, episodes.csv, a page and figures.
+
+    Examples:
+        fo-gym leaderboard
+
+        fo-gym leaderboard --quick --out build/quick
+
+        fo-gym leaderboard --protocol my_protocol.toml --out build/mine --jobs 2
+    """
+    if quick and protocol is not None:
+        raise _Stop("--quick and --protocol exclude each other; give one of them")
+    try:
+        chosen = load_protocol(protocol or ("quick" if quick else "full"))
+    except ValueError as error:
+        raise _Stop(str(error)) from error
+    results = _run(chosen, jobs)
+    _print_rankings(results)
+    _write(chosen, results, out)
+
+
+if __name__ == "__main__":
+    app()

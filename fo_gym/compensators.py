@@ -1,0 +1,160 @@
+"""Compensators: the protocol they follow, how they are found by name, and the two that the suite itself makes."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import importlib.util
+import inspect
+import sys
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fo_gym.parameters import JointInfo
+from fo_gym.sensors import Signals
+
+Array = NDArray[np.float64]
+
+GROUP = "fo_gym.compensators"
+BUILT_IN = ("none", "ideal")
+
+__all__ = [
+    "BUILT_IN",
+    "Compensator",
+    "CompensatorError",
+    "Ideal",
+    "NoCompensation",
+    "list_compensators",
+    "make_compensator",
+]
+
+
+class CompensatorError(RuntimeError):
+    """A compensator raised, or returned what is not a finite (num_envs, dof) array; the message says where."""
+
+
+@runtime_checkable
+class Compensator(Protocol):
+    """What an object needs to be scored. No base class is needed.
+
+    Attributes:
+        feedback: "measured" or "nominal", which motor signal the task's controller gets.
+    """
+
+    feedback: str
+
+    def reset(self, joints: JointInfo, num_envs: int) -> None:
+        """Start `num_envs` new episodes, with no memory of earlier ones."""
+
+    def estimate(self, signals: Signals) -> Array:
+        """The friction estimate tau_f_hat, (num_envs, dof), N or N m: tau_m = tau_c - tau_f_hat."""
+
+
+class NoCompensation:
+    """`none`: measured feedback and a zero estimate."""
+
+    feedback = "measured"
+
+    def reset(self, joints: JointInfo, num_envs: int) -> None:
+        """Remember the shape."""
+        self._zero = np.zeros((num_envs, joints.dof))
+
+    def estimate(self, signals: Signals) -> Array:
+        """Zeros, (num_envs, dof)."""
+        return self._zero
+
+
+class Ideal(NoCompensation):
+    """`ideal`: no compensation on joints without friction; a reference, not a competitor."""
+
+
+def _plug_ins() -> dict[str, EntryPoint]:
+    found: dict[str, EntryPoint] = {}
+    for entry in sorted(entry_points(group=GROUP), key=lambda entry: entry.name):
+        if entry.name in BUILT_IN:
+            raise ValueError(f"entry point {entry.value!r} calls itself {entry.name!r}; that name is reserved")
+        if entry.name in found and found[entry.name].value != entry.value:
+            raise ValueError(f"two plug-ins are called {entry.name!r}: {found[entry.name].value} and {entry.value}")
+        found[entry.name] = entry
+    return found
+
+
+def list_compensators() -> list[str]:
+    """Registered names: the built-in `none` and `ideal`, then the plug-ins of `fo_gym.compensators`."""
+    return [*BUILT_IN, *_plug_ins()]
+
+
+def _module_from_file(path: Path) -> Any:
+    """Import a file, under a name of its own that a second import of the same file finds again."""
+    name = f"fo_gym_file_{hashlib.sha256(str(path.resolve()).encode()).hexdigest()[:16]}"
+    spec = importlib.util.spec_from_file_location(name, path)
+    if spec is None or spec.loader is None:
+        raise ValueError(f"{path} is not a Python file")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[name]
+        raise
+    return module
+
+
+def _factory(spec: str) -> Any:
+    """What `spec` names: a class or a function that makes a compensator."""
+    plug_ins = _plug_ins()
+    if spec in BUILT_IN:
+        return {"none": NoCompensation, "ideal": Ideal}[spec]
+    if spec in plug_ins:
+        return plug_ins[spec].load()
+    where, colon, attribute = spec.rpartition(":")
+    if not colon:
+        known = ", ".join(list_compensators())
+        raise ValueError(f"unknown compensator {spec!r}; registered are {known}; or name module:Class or file.py:Class")
+    if where.endswith(".py"):
+        if not Path(where).is_file():
+            raise ValueError(f"compensator {spec!r}: there is no file {where}")
+        module = _module_from_file(Path(where))
+    else:
+        try:
+            module = importlib.import_module(where)
+        except ModuleNotFoundError as error:
+            raise ValueError(f"compensator {spec!r}: {error}; is the package installed?") from error
+    if not hasattr(module, attribute):
+        raise ValueError(f"compensator {spec!r}: {where} has no {attribute!r}")
+    return getattr(module, attribute)
+
+
+def make_compensator(spec: str, **gains: Any) -> Compensator:
+    """Make a compensator.
+
+    Args:
+        spec: a registered name (see `list_compensators`), "module:Class" or "file.py:Class".
+        gains: keyword arguments of the class, or of the registered factory, replacing its defaults.
+
+    Raises:
+        ValueError: nothing is called so, or a gain is out of range.
+        TypeError: the class does not take such a gain, or what it makes is no compensator.
+    """
+    return checked(_factory(spec)(**gains), spec)
+
+
+def checked(candidate: Any, name: str) -> Compensator:
+    """`candidate`, if it has what the protocol asks for.
+
+    Raises:
+        TypeError: it lacks `feedback`, `reset` or `estimate`; the message shows what is needed.
+    """
+    if inspect.isclass(candidate) or not isinstance(candidate, Compensator):
+        missing = [part for part in ("feedback", "reset", "estimate") if not hasattr(candidate, part)]
+        raise TypeError(
+            f"compensator {name!r} lacks {', '.join(missing) or 'an instance'}; it needs feedback = 'measured' | "
+            "'nominal', reset(joints, num_envs) and estimate(signals)"
+        )
+    if candidate.feedback not in ("measured", "nominal"):
+        raise TypeError(f"compensator {name!r}: feedback is {candidate.feedback!r}; allowed are 'measured', 'nominal'")
+    return candidate

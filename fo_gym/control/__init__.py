@@ -1,0 +1,1 @@
+"""Controllers and the nominal motor, batched over environments."""

@@ -1,0 +1,99 @@
+"""Impedance in task space: tool position, tool orientation and the elbow's angle."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from fo_gym.parameters import ImpedanceGains
+from fo_gym.plant.rigid_body import RigidBody
+
+Array = NDArray[np.float64]
+
+_STATICS_ITERATIONS = 3
+
+__all__ = ["Impedance", "TaskSetpoint"]
+
+
+class TaskSetpoint(NamedTuple):
+    """What the tool should do now.
+
+    Attributes:
+        position, velocity: (num_envs, 3), m and m/s.
+        rotation: (3, 3), the same for all environments.
+        elbow: angle of the elbow joint, rad, the same for all environments.
+    """
+
+    position: Array
+    velocity: Array
+    rotation: Array
+    elbow: float
+
+
+class Impedance:
+    """tau_c = J^T(theta) (-K_p e_x - K_d e_x') + g(q_bar(theta)), e_x = x(theta) - x_d.
+
+    x stacks tool position, tool orientation and the elbow joint's angle. q_bar is the quasi-static link position,
+    K_j (theta - q_bar) = g(q_bar), found by fixed-point iteration; each pass gains a factor K_j^-1 dg/dq.
+
+    Args:
+        gains: stiffness and damping of the three parts.
+        body: the link side as the controller knows it.
+        elbow: index of the elbow joint.
+    """
+
+    def __init__(self, gains: ImpedanceGains, body: RigidBody, elbow: int) -> None:
+        self.gains = gains
+        self.body = body
+        self.elbow = elbow
+        self._packed = np.array(
+            [
+                [gains.kp_position, gains.kd_position],
+                [gains.kp_orientation, gains.kd_orientation],
+                [gains.kp_elbow, gains.kd_elbow],
+            ]
+        )
+
+    def torque(self, theta: Array, theta_dot: Array, stiffness: Array, setpoint: TaskSetpoint) -> Array:
+        """Control torque tau_c, (num_envs, dof), N m.
+
+        Args:
+            theta, theta_dot: measured or nominal motor, (num_envs, dof), rad and rad/s.
+            stiffness: K_j, (num_envs, dof), N m/rad.
+            setpoint: desired motion of the tool.
+        """
+        pose, tau_c = self.body.tool_pose(theta)
+        for _ in range(_STATICS_ITERATIONS - 1):
+            tau_c = self.body.gravity(theta - tau_c / stiffness)
+        _add_impedance(tau_c, *pose, theta, theta_dot, *setpoint, self.elbow, self._packed)
+        return tau_c
+
+
+@njit(cache=True, error_model="numpy")
+def _add_impedance(
+    tau_c, position, rotation, jacobian, theta, theta_dot, x_d, x_dot_d, rotation_d, elbow_d, elbow, gains
+):
+    """Add J^T (-K_p e_x - K_d e_x') to tau_c, environment by environment, so that neighbours do not matter."""
+    num_envs, dof = theta.shape
+    error = np.empty(6)
+    for i in range(num_envs):
+        for k in range(3):
+            error[k] = position[i, k] - x_d[i, k]
+            # Half the sum of desired axes x actual axes: the rotation vector of R R_d^T, to second order.
+            a, b = (k + 1) % 3, (k + 2) % 3
+            turn = 0.0
+            for axis in range(3):
+                turn += rotation_d[a, axis] * rotation[i, b, axis] - rotation_d[b, axis] * rotation[i, a, axis]
+            error[3 + k] = 0.5 * turn
+        for row in range(6):
+            part = row // 3
+            rate = -x_dot_d[i, row] if part == 0 else 0.0
+            for j in range(dof):
+                rate += jacobian[i, row, j] * theta_dot[i, j]
+            force = -gains[part, 0] * error[row] - gains[part, 1] * rate
+            for j in range(dof):
+                tau_c[i, j] += jacobian[i, row, j] * force
+        tau_c[i, elbow] -= gains[2, 0] * (theta[i, elbow] - elbow_d) + gains[2, 1] * theta_dot[i, elbow]

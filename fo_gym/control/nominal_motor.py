@@ -1,0 +1,34 @@
+"""The nominal motor: where the motor would be without friction, driven by the measured joint torque."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+__all__ = ["NominalMotor"]
+
+
+class NominalMotor:
+    """B theta_n'' + tau_j = tau_c, in discrete time with the torques of a tick held over the period.
+
+    Attributes:
+        theta, theta_dot: nominal motor, (num_envs, dof), ju and ju/s.
+    """
+
+    def __init__(self, num_envs: int, dof: int, dt: float) -> None:
+        self.dt = dt
+        self.theta = np.zeros((num_envs, dof))
+        self.theta_dot = np.zeros((num_envs, dof))
+
+    def reset(self, ids: NDArray[np.intp], theta: Array, theta_dot: Array) -> None:
+        """Start the named environments from the true motor, (n, dof) each."""
+        self.theta[ids] = theta
+        self.theta_dot[ids] = theta_dot
+
+    def step(self, tau_c: Array, tau_j: Array, motor_inertia: Array) -> None:
+        """Advance one control period with the values of its first tick, (num_envs, dof) each."""
+        acceleration = (tau_c - tau_j) / motor_inertia
+        self.theta += self.dt * self.theta_dot + (0.5 * self.dt * self.dt) * acceleration
+        self.theta_dot += self.dt * acceleration

@@ -1,0 +1,1 @@
+"""Gymnasium environments: single and vector entry points over one batched simulation."""

@@ -1,0 +1,100 @@
+"""FJRRegulation-v0: the 7-joint arm holds, steps by -5 degrees and is pushed."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fo_gym.envs.arm import ARM, ARM_FRICTION, ARM_HOME, ARM_JOINTS
+from fo_gym.envs.single import JointEnv
+from fo_gym.envs.vector import JointVectorEnv
+from fo_gym.parameters import PDGains
+from fo_gym.tasks.scenario import Push
+from fo_gym.tasks.task import Randomization, Task
+
+_PUSH = Push(time=13.0, duration=0.5, torque=np.array([0.0, 10.0, 0.0, 0.0, 0.0, 0.0, 0.0]))
+
+# Step, push and the gains of joint 2 as in the experiment of arXiv:1907.00553; the other joints' gains are ours.
+REGULATION = Task(
+    robot=ARM,
+    joint_unit="rad",
+    joints=ARM_JOINTS,
+    friction=ARM_FRICTION,
+    gains=PDGains(
+        kp=np.array([50.0, 50.0, 30.0, 30.0, 15.0, 10.0, 10.0]), kd=np.array([2.0, 2.0, 1.2, 1.2, 0.6, 0.4, 0.4])
+    ),
+    duration=20.0,
+    accuracy=5e-3,
+    q_start=ARM_HOME,
+    step=np.full(7, np.deg2rad(-5.0)),
+    step_time=3.0,
+    path=None,
+    push=_PUSH,
+    random_push=_PUSH,
+    limit_cycle_window=(8.0, 13.0),
+    randomization=Randomization(start=0.02, push_time=(13.0, 14.0)),
+)
+
+
+class RegulationEnv(JointEnv):
+    """A 7-joint MIRO-like arm holds its pose, steps by -5 degrees on every joint at 3 s, and is pushed at 13 s.
+
+    The task's controller is motor PD with gravity at the desired pose, tau_c = -K_p (theta_* - theta_d) -
+    K_d theta_*' + g(q_d), with theta_* the measured or the nominal motor (`feedback`). Joint 2 is under-damped
+    without friction, and what friction the estimate leaves decides where it comes to rest.
+
+    ## Action
+
+    | Num | Meaning                         | Min  | Max | Joint (MJCF) | Unit |
+    |-----|---------------------------------|------|-----|--------------|------|
+    | 0   | tau_f_hat, friction estimate    | -150 | 150 | joint1       | N m  |
+    | 1   | tau_f_hat, friction estimate    | -150 | 150 | joint2       | N m  |
+    | 2   | tau_f_hat, friction estimate    | -100 | 100 | joint3       | N m  |
+    | 3   | tau_f_hat, friction estimate    | -100 | 100 | joint4       | N m  |
+    | 4   | tau_f_hat, friction estimate    | -50  | 50  | joint5       | N m  |
+    | 5   | tau_f_hat, friction estimate    | -40  | 40  | joint6       | N m  |
+    | 6   | tau_f_hat, friction estimate    | -40  | 40  | joint7       | N m  |
+
+    The motors get tau_m = tau_c - tau_f_hat. With `action_mode="torque"` the action is tau_m itself. The bounds are
+    -+torque_limit; what lies outside is clipped.
+
+    ## Observation
+
+    | Num   | Meaning                                  | Min  | Max | Joints (MJCF)   | Unit  |
+    |-------|------------------------------------------|------|-----|-----------------|-------|
+    | 0-6   | theta, motor positions                   | -Inf | Inf | joint1...joint7 | rad   |
+    | 7-13  | theta_dot, motor velocities              | -Inf | Inf | joint1...joint7 | rad/s |
+    | 14-20 | tau_j, measured joint torques            | -Inf | Inf | joint1...joint7 | N m   |
+    | 21-27 | theta_n, nominal motor positions         | -Inf | Inf | joint1...joint7 | rad   |
+    | 28-34 | theta_n_dot, nominal motor velocities    | -Inf | Inf | joint1...joint7 | rad/s |
+    | 35-41 | theta_d, desired motor positions         | -Inf | Inf | joint1...joint7 | rad   |
+    | 42-48 | tau_c, control torques of the coming step | -Inf | Inf | joint1...joint7 | N m   |
+
+    ## Reward
+
+    closeness - roughness: closeness = 1 / (1 + d / 5 mrad), d the root mean square over the joints of
+    theta - theta_d; roughness = 0.1 times the mean over the joints of the change of tau_m since the previous step, as
+    a share of torque_limit.
+
+    ## Start and end
+
+    At rest in the robot file's "home" (randomized: each joint within 0.02 rad of it). The push is a sin^2 pulse of
+    0.5 s with a peak of 10 N m at joint 2. The episode is truncated after 20 s, and terminated with
+    `info["termination"]` = "joint_limit" when a link leaves its joint's range, or "non_finite".
+
+    ## Arguments
+
+    Those of `fo_gym.envs.settings.Settings`, and `render_mode` ("human" or "rgb_array"). `reset` takes the options
+    "target" and "push".
+
+    ## Version history
+
+    * v0: first version.
+    """
+
+    task = REGULATION
+
+
+class RegulationVectorEnv(JointVectorEnv):
+    """`num_envs` copies of RegulationEnv in one batch."""
+
+    task = REGULATION

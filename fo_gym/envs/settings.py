@@ -1,0 +1,74 @@
+"""The arguments that every environment takes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fo_gym.parameters import FlexibleJoint, ImpedanceGains, LuGre, PDGains
+from fo_gym.sensors import TIERS
+from fo_gym.tasks.task import VARIANTS, Task
+
+ACTION_MODES = ("compensation", "torque")
+FEEDBACKS = ("measured", "nominal")
+
+__all__ = ["ACTION_MODES", "FEEDBACKS", "Settings"]
+
+
+@dataclass(frozen=True, eq=False)
+class Settings:
+    """How an environment is run. What is None comes from the task.
+
+    Attributes:
+        variant: "nominal" (no randomness) or "randomized" (parameters drawn per episode from the seed).
+        action_mode: "compensation" (action = tau_f_hat; tau_m = tau_c - tau_f_hat) or "torque" (action = tau_m).
+        feedback: "measured" or "nominal", which motor signal the task's controller gets.
+        control_dt: control period [s].
+        physics_dt: micro-step [s]; None means min(2e-4, control_dt); it must divide control_dt.
+        decimation: control ticks per environment step, at least 1.
+        duration: length of an episode [s].
+        joints: motors and springs.
+        friction: LuGre parameters.
+        gains: PDGains or ImpedanceGains, as the task's controller needs.
+        sensors: "joint" = motor encoder and joint torque sensor.
+    """
+
+    variant: str = "nominal"
+    action_mode: str = "compensation"
+    feedback: str = "measured"
+    control_dt: float = 1e-3
+    physics_dt: float | None = None
+    decimation: int = 1
+    duration: float | None = None
+    joints: FlexibleJoint | None = None
+    friction: LuGre | None = None
+    gains: PDGains | ImpedanceGains | None = None
+    sensors: str = "joint"
+
+    def __post_init__(self) -> None:
+        if self.variant == "hardware":
+            raise ValueError("variant 'hardware' does not exist yet; use 'nominal' or 'randomized'")
+        for name, allowed in (
+            ("variant", VARIANTS),
+            ("action_mode", ACTION_MODES),
+            ("feedback", FEEDBACKS),
+            ("sensors", TIERS),
+        ):
+            if getattr(self, name) not in allowed:
+                raise ValueError(f"{name} is {getattr(self, name)!r}; allowed are {', '.join(map(repr, allowed))}")
+        if not (isinstance(self.decimation, int | np.integer) and self.decimation >= 1):
+            raise ValueError(f"decimation is {self.decimation!r}; it must be a whole number of at least 1")
+        if self.duration is not None and not (np.isfinite(self.duration) and self.duration > 0):
+            raise ValueError(f"duration is {self.duration} s; it must be finite and above 0")
+
+    @property
+    def step_dt(self) -> float:
+        """Time of one environment step [s]."""
+        return self.control_dt * self.decimation
+
+    def ticks(self, task: Task) -> int:
+        """Control ticks in an episode; a multiple of `decimation`, at least one step."""
+        seconds = task.duration if self.duration is None else self.duration
+        steps = round(seconds / self.step_dt)
+        return max(1, steps) * int(self.decimation)

@@ -1,0 +1,268 @@
+"""A batch of episodes: plant, task, nominal motor and observation, without Gymnasium."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fo_gym.control.nominal_motor import NominalMotor
+from fo_gym.envs.settings import Settings
+from fo_gym.parameters import JointInfo, per_joint
+from fo_gym.plant import FlexibleJointPlant, PlantState
+from fo_gym.sensors import SIGNALS
+from fo_gym.tasks.control import make_control
+from fo_gym.tasks.scenario import Scenario, with_options
+from fo_gym.tasks.task import Task, draw_scenario
+
+Array = NDArray[np.float64]
+Ids = NDArray[np.intp]
+
+ROUGHNESS_WEIGHT = 0.1
+
+JOINT_LIMIT = "joint_limit"
+NON_FINITE = "non_finite"
+
+__all__ = ["JOINT_LIMIT", "NON_FINITE", "Simulation", "SimulationState"]
+
+
+class Simulation:
+    """`num_envs` episodes of one task, advanced together.
+
+    Args:
+        task: what is to be done.
+        num_envs: size of the batch.
+        settings: how it is run.
+
+    Attributes:
+        scenarios: the current episode of each environment.
+        ticks: control ticks since reset, (num_envs,).
+    """
+
+    def __init__(self, task: Task, num_envs: int, settings: Settings) -> None:
+        self.task = task
+        self.num_envs = num_envs
+        self.settings = settings
+        self.dof = task.robot.dof
+        self.joints = per_joint(task.joints if settings.joints is None else settings.joints, self.dof)
+        self.friction = task.friction if settings.friction is None else settings.friction
+        self.plant = FlexibleJointPlant(
+            task.robot,
+            num_envs,
+            joints=self.joints,
+            friction=self.friction,
+            control_dt=settings.control_dt,
+            physics_dt=settings.physics_dt,
+        )
+        self.control = make_control(task, self.plant, task.gains if settings.gains is None else settings.gains)
+        self.nominal_motor = NominalMotor(num_envs, self.dof, settings.control_dt)
+        self.scenarios: list[Scenario] = [
+            draw_scenario(task, "nominal", self.joints, self.friction, np.random.default_rng(0))
+        ] * num_envs
+        self.ticks = np.zeros(num_envs, dtype=np.int64)
+        self.last_tick = settings.ticks(task)
+        self._range = np.where(
+            self.plant.body.model.jnt_limited[:, None].astype(bool), self.plant.body.model.jnt_range, [-np.inf, np.inf]
+        )
+        shape = (num_envs, self.dof)
+        self.tau_c = np.zeros(shape)
+        self.tau_j = np.zeros(shape)
+        self.tau_m = np.zeros(shape)
+        self.tau_ext = np.zeros(shape)
+        # A pulse per environment; length zero where there is none.
+        self._push_time = np.zeros((num_envs, 1))
+        self._push_duration = np.zeros((num_envs, 1))
+        self._push_torque = np.zeros(shape)
+
+    @property
+    def observation_size(self) -> int:
+        """Length of one environment's observation."""
+        return len(SIGNALS) * self.dof + self.control.reference.shape[1]
+
+    @property
+    def joint_info(self) -> JointInfo:
+        """What a compensator may know; arrays are (num_envs, dof)."""
+        return JointInfo(
+            dof=self.dof,
+            motor_inertia=self.plant.motor_inertia.copy(),
+            stiffness=self.plant.stiffness.copy(),
+            torque_limit=np.broadcast_to(self.joints.torque_limit, (self.num_envs, self.dof)).copy(),
+            control_dt=self.settings.step_dt,
+        )
+
+    def reset(
+        self, ids: Ids, generators: Sequence[np.random.Generator], options: Mapping[str, Any] | None = None
+    ) -> None:
+        """Start new episodes in the named environments, each drawn from its own generator.
+
+        Raises:
+            ValueError: `options` are not those of `with_options`.
+        """
+        scenarios = [
+            with_options(
+                draw_scenario(self.task, self.settings.variant, self.joints, self.friction, generator), options
+            )
+            for generator in generators
+        ]
+        for i, scenario in zip(ids, scenarios, strict=True):
+            self._configure(int(i), scenario)
+        self.plant.reset(ids, np.array([scenario.q_start for scenario in scenarios]))
+        self.control.reset(ids, scenarios)
+        self.nominal_motor.reset(ids, self.plant.theta[ids], self.plant.theta_dot[ids])
+        self.ticks[ids] = 0
+        self._measure()
+        # At rest in equilibrium the motor has been holding the spring: the first roughness counts from there.
+        self.tau_m[ids] = self.tau_j[ids]
+        self.tau_ext[ids] = 0.0
+
+    def _configure(self, i: int, scenario: Scenario) -> None:
+        self.scenarios[i] = scenario
+        self.plant.configure(
+            np.array([i]), joints=scenario.joints, friction=scenario.friction, mass_scale=scenario.mass_scale
+        )
+        push = scenario.push
+        self._push_time[i] = push.time if push else 0.0
+        self._push_duration[i] = push.duration if push else 0.0
+        self._push_torque[i] = push.torque if push else 0.0
+
+    def _measure(self) -> None:
+        """Sample the sensors and the controller at the current ticks."""
+        self.control.update(self.ticks)
+        self.tau_j = self.plant.tau_j
+        motor = self.nominal_motor if self.settings.feedback == "nominal" else self.plant
+        self.tau_c = self.control.torque(motor.theta, motor.theta_dot)
+
+    def _external_torque(self) -> Array:
+        """The push in the middle of the coming period, tau sin^2(pi s), s the elapsed share of the pulse."""
+        since = (self.ticks[:, None] + 0.5) * self.settings.control_dt - self._push_time
+        active = (since > 0.0) & (since < self._push_duration)
+        if not active.any():
+            return np.zeros((self.num_envs, self.dof))
+        share = np.divide(since, self._push_duration, out=np.zeros_like(since), where=active)
+        return self._push_torque * np.sin(np.pi * share) ** 2
+
+    def step(self, action: Array) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_], dict[int, str]]:
+        """Hold `action` (num_envs, dof) for `decimation` control ticks.
+
+        Returns:
+            reward (num_envs,); terminated; truncated; why the terminated ones ended, by environment.
+        """
+        limit = self.joints.torque_limit
+        action = np.clip(action, -limit, limit)
+        previous = self.tau_m
+        reasons: dict[int, str] = {}
+        for _ in range(self.settings.decimation):
+            self.tau_ext = self._external_torque()
+            self.tau_m = self.tau_c - action if self.settings.action_mode == "compensation" else action
+            before = self.plant.get_state()
+            self.plant.step(self.tau_m, self.tau_ext)
+            self.nominal_motor.step(self.tau_c, self.tau_j, self.plant.motor_inertia)
+            self.ticks += 1
+            self._find_ends(before, reasons)
+            self._measure()
+        roughness = (np.abs(self.tau_m - previous) / limit).mean(axis=1)
+        closeness = 1.0 / (1.0 + self.control.distance(self.plant) / self.task.accuracy)
+        terminated = np.zeros(self.num_envs, dtype=bool)
+        terminated[list(reasons)] = True
+        truncated = (self.ticks >= self.last_tick) & ~terminated
+        return closeness - ROUGHNESS_WEIGHT * roughness, terminated, truncated, reasons
+
+    def _find_ends(self, before: PlantState, reasons: dict[int, str]) -> None:
+        """Note environments that left the joint range or the finite numbers; put the latter back to `before`."""
+        q = self.plant.q
+        inside = (q >= self._range[:, 0]) & (q <= self._range[:, 1])
+        finite = self.plant.finite
+        if inside.all() and finite.all():
+            return
+        for i in np.flatnonzero(~finite):
+            reasons.setdefault(int(i), NON_FINITE)
+            self.plant.restore(int(i), before)
+        for i in np.flatnonzero(finite & ~inside.all(axis=1)):
+            reasons.setdefault(int(i), JOINT_LIMIT)
+
+    def observation(self) -> Array:
+        """What the joints measure and compute at the coming tick, (num_envs, observation_size); see Signals."""
+        plant, nominal = self.plant, self.nominal_motor
+        return np.concatenate(
+            [
+                plant.theta,
+                plant.theta_dot,
+                self.tau_j,
+                nominal.theta,
+                nominal.theta_dot,
+                self.control.theta_d,
+                self.tau_c,
+                self.control.reference,
+            ],
+            axis=1,
+        )
+
+    def truth(self) -> dict[str, Array]:
+        """Privileged truth for scoring and plotting, (num_envs, dof) each, and the tool (num_envs, 3) on a path.
+
+        theta, theta_dot, q, q_dot, z at the new tick; tau_m and tau_ext as applied; tau_f, its mean over the past
+        control period.
+        """
+        plant = self.plant
+        values = {
+            "theta": plant.theta,
+            "theta_dot": plant.theta_dot,
+            "q": plant.q,
+            "q_dot": plant.q_dot,
+            "z": plant.z,
+            "tau_m": self.tau_m,
+            "tau_ext": self.tau_ext,
+            "tau_f": plant.tau_f,
+        }
+        return {name: value.copy() for name, value in values.items()}
+
+    def get_state(self) -> SimulationState:
+        """A copy of everything that the next step depends on, except the random generators."""
+        nominal = self.nominal_motor
+        return SimulationState(
+            self.plant.get_state(),
+            tuple(self.scenarios),
+            nominal.theta.copy(),
+            nominal.theta_dot.copy(),
+            self.ticks.copy(),
+            self.tau_m.copy(),
+            self.tau_ext.copy(),
+            self.plant.tau_f.copy(),
+        )
+
+    def set_state(self, state: SimulationState) -> None:
+        """Continue from a copy of `state`, exactly.
+
+        Raises:
+            ValueError: the state is of another number of environments or joints.
+        """
+        if len(state.scenarios) != self.num_envs:
+            raise ValueError(f"state has {len(state.scenarios)} environments; this simulation has {self.num_envs}")
+        everyone = np.arange(self.num_envs)
+        for i, scenario in enumerate(state.scenarios):
+            self._configure(i, scenario)
+        self.control.reset(everyone, state.scenarios)
+        self.plant.set_state(state.plant)
+        self.plant.tau_f[:] = state.tau_f
+        self.nominal_motor.reset(everyone, state.theta_n, state.theta_n_dot)
+        self.ticks = state.ticks.copy()
+        self.tau_m = state.tau_m.copy()
+        self.tau_ext = state.tau_ext.copy()
+        self._measure()
+
+
+@dataclass(frozen=True)
+class SimulationState:
+    """The full state of a Simulation; arrays are (num_envs, dof), `ticks` (num_envs,)."""
+
+    plant: PlantState
+    scenarios: tuple[Scenario, ...]
+    theta_n: Array
+    theta_n_dot: Array
+    ticks: NDArray[np.int64]
+    tau_m: Array
+    tau_ext: Array
+    tau_f: Array

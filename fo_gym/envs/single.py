@@ -1,0 +1,128 @@
+"""One environment, as `gymnasium.make` gives it: a batch of one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import gymnasium as gym
+import numpy as np
+from gymnasium.spaces import Box
+from numpy.typing import NDArray
+
+from fo_gym.envs.actions import checked_action
+from fo_gym.envs.rendering import SceneRenderer
+from fo_gym.envs.settings import Settings
+from fo_gym.envs.simulation import Simulation, SimulationState
+from fo_gym.parameters import JointInfo
+from fo_gym.tasks.task import Task
+
+Array = NDArray[np.float64]
+
+__all__ = ["JointEnv"]
+
+_ONE = np.zeros(1, dtype=np.intp)
+
+
+class JointEnv(gym.Env[Array, Array]):
+    """Flexible joints with friction under a task's controller; the agent supplies the friction estimate.
+
+    Subclasses name the task. Keyword arguments are those of `Settings`, and `render_mode`.
+
+    Raises:
+        ValueError: an argument is not allowed; the message names the value and the remedy.
+    """
+
+    task: ClassVar[Task]
+    metadata: dict[str, Any] = {"render_modes": ["human", "rgb_array"], "render_fps": 1000}  # noqa: RUF012
+
+    def __init__(self, *, render_mode: str | None = None, **settings: Any) -> None:
+        chosen = Settings(**settings)
+        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
+            raise ValueError(f"render_mode is {render_mode!r}; allowed are None, 'human' and 'rgb_array'")
+        self.simulation = Simulation(self.task, 1, chosen)
+        self.render_mode = render_mode
+        self.metadata = {**self.metadata, "render_fps": max(1, round(1.0 / chosen.step_dt))}
+        self._renderer: SceneRenderer | None = None
+        size = self.simulation.observation_size
+        limit = self.simulation.joints.torque_limit
+        self.observation_space = Box(-np.inf, np.inf, (size,), np.float64)
+        self.action_space = Box(-limit, limit, dtype=np.float64)
+
+    @property
+    def joint_info(self) -> JointInfo:
+        """What a compensator may know of the current episode's joints; arrays are (dof,)."""
+        info = self.simulation.joint_info
+        return JointInfo(
+            info.dof, info.motor_inertia[0], info.stiffness[0], info.torque_limit[0], control_dt=info.control_dt
+        )
+
+    def _info(self) -> dict[str, Any]:
+        return {name: value[0] for name, value in self.simulation.truth().items()}
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Array, dict[str, Any]]:
+        """Start an episode: the joints in static equilibrium, the nominal motor on the motor, bristles at rest.
+
+        Args:
+            seed: seeds the environment's generator; None continues it.
+            options: {"target": (dof,), "push": {"time": s, "duration": s, "torque": (dof,)}}, each key optional.
+
+        Returns:
+            Observation (see `fo_gym.Signals`) and info, the privileged truth.
+        """
+        super().reset(seed=seed)
+        self.simulation.reset(_ONE, [self.np_random], options)
+        if self._renderer is not None:
+            self._renderer.clear_trace()
+        if self.render_mode == "human":
+            self.render()
+        return self.simulation.observation()[0], self._info()
+
+    def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
+        """Apply tau_f_hat (or tau_m, in the "torque" mode), (dof,), clipped to +-torque_limit, for one step.
+
+        Raises:
+            ValueError: the action has the wrong shape, or is not finite.
+        """
+        batch = checked_action(action, (self.simulation.dof,))[None]
+        reward, terminated, truncated, reasons = self.simulation.step(batch)
+        info = self._info()
+        if reasons:
+            info["termination"] = reasons[0]
+        if self.render_mode is not None:
+            self._renderer_now().watch(self.simulation, draw=self.render_mode == "human")
+        return self.simulation.observation()[0], float(reward[0]), bool(terminated[0]), bool(truncated[0]), info
+
+    def _renderer_now(self) -> SceneRenderer:
+        if self._renderer is None:
+            self._renderer = SceneRenderer(self.simulation, self.render_mode)
+        return self._renderer
+
+    def render(self) -> Any:
+        """An image (height, width, 3) of uint8 in the "rgb_array" mode; None, and a window, in the "human" mode."""
+        if self.render_mode is None:
+            gym.logger.warn(
+                "render() needs a render_mode; make the environment with render_mode='rgb_array' or 'human'"
+            )
+            return None
+        return self._renderer_now().frame(self.simulation)
+
+    def close(self) -> None:
+        """Close the window, if there is one."""
+        if self._renderer is not None:
+            self._renderer.close()
+            self._renderer = None
+
+    def get_state(self) -> tuple[SimulationState, Mapping[str, Any]]:
+        """A copy of the full state: simulation (bristles included) and random generator."""
+        return self.simulation.get_state(), self.np_random.bit_generator.state
+
+    def set_state(self, state: tuple[SimulationState, Mapping[str, Any]]) -> None:
+        """Continue from what `get_state` returned, exactly."""
+        simulation, generator = state
+        self.simulation.set_state(simulation)
+        self.np_random.bit_generator.state = generator
+
+    def __getstate__(self) -> dict[str, Any]:
+        # A renderer holds an OpenGL context; the copy makes its own when asked to draw.
+        return {**self.__dict__, "_renderer": None}

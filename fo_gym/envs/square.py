@@ -1,0 +1,106 @@
+"""FJRSquare-v0: the 7-joint arm draws a square under task-space impedance."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fo_gym.envs.arm import ARM, ARM_FRICTION, ARM_HOME, ARM_JOINTS
+from fo_gym.envs.single import JointEnv
+from fo_gym.envs.vector import JointVectorEnv
+from fo_gym.parameters import ImpedanceGains
+from fo_gym.tasks.path import SquarePath
+from fo_gym.tasks.scenario import Push
+from fo_gym.tasks.task import Randomization, Task
+
+# Size, time and gains of the square as in the experiment of arXiv:1907.00553; pose and plane are ours.
+SQUARE = Task(
+    robot=ARM,
+    joint_unit="rad",
+    joints=ARM_JOINTS,
+    friction=ARM_FRICTION,
+    gains=ImpedanceGains(
+        kp_position=1000.0,
+        kd_position=200.0,
+        kp_orientation=10.0,
+        kd_orientation=2.0,
+        kp_elbow=10.0,
+        kd_elbow=2.0,
+    ),
+    duration=8.0,
+    accuracy=2e-3,
+    q_start=ARM_HOME,
+    step=None,
+    step_time=None,
+    path=SquarePath(side=0.15, duration=5.0, first=(0.0, -1.0, 0.0), second=(0.0, 0.0, -1.0)),
+    push=None,
+    random_push=Push(time=0.0, duration=0.5, torque=np.array([0.0, 10.0, 0.0, 0.0, 0.0, 0.0, 0.0])),
+    limit_cycle_window=None,
+    randomization=Randomization(start=0.02, push_time=(5.5, 6.0)),
+)
+
+
+class SquareEnv(JointEnv):
+    """A 7-joint MIRO-like arm draws a square of 15 cm in 5 s with its tool, then holds.
+
+    The task's controller is an impedance, tau_c = J^T(theta_*) (-K_p e_x - K_d e_x') + g(q_bar(theta_*)), on tool
+    position, tool orientation and the third joint's angle, with theta_* the measured or the nominal motor
+    (`feedback`). Each side of the square is smooth up to acceleration; at the corners joints reverse, which is where
+    friction shows.
+
+    ## Action
+
+    | Num | Meaning                         | Min  | Max | Joint (MJCF) | Unit |
+    |-----|---------------------------------|------|-----|--------------|------|
+    | 0   | tau_f_hat, friction estimate    | -150 | 150 | joint1       | N m  |
+    | 1   | tau_f_hat, friction estimate    | -150 | 150 | joint2       | N m  |
+    | 2   | tau_f_hat, friction estimate    | -100 | 100 | joint3       | N m  |
+    | 3   | tau_f_hat, friction estimate    | -100 | 100 | joint4       | N m  |
+    | 4   | tau_f_hat, friction estimate    | -50  | 50  | joint5       | N m  |
+    | 5   | tau_f_hat, friction estimate    | -40  | 40  | joint6       | N m  |
+    | 6   | tau_f_hat, friction estimate    | -40  | 40  | joint7       | N m  |
+
+    The motors get tau_m = tau_c - tau_f_hat. With `action_mode="torque"` the action is tau_m itself. The bounds are
+    -+torque_limit; what lies outside is clipped.
+
+    ## Observation
+
+    | Num   | Meaning                                   | Min  | Max | Element (MJCF)  | Unit  |
+    |-------|-------------------------------------------|------|-----|-----------------|-------|
+    | 0-6   | theta, motor positions                    | -Inf | Inf | joint1...joint7 | rad   |
+    | 7-13  | theta_dot, motor velocities               | -Inf | Inf | joint1...joint7 | rad/s |
+    | 14-20 | tau_j, measured joint torques             | -Inf | Inf | joint1...joint7 | N m   |
+    | 21-27 | theta_n, nominal motor positions          | -Inf | Inf | joint1...joint7 | rad   |
+    | 28-34 | theta_n_dot, nominal motor velocities     | -Inf | Inf | joint1...joint7 | rad/s |
+    | 35-41 | theta_d, desired motor positions          | -Inf | Inf | joint1...joint7 | rad   |
+    | 42-48 | tau_c, control torques of the coming step | -Inf | Inf | joint1...joint7 | N m   |
+    | 49-51 | reference, desired tool position, world   | -Inf | Inf | tool            | m     |
+
+    ## Reward
+
+    closeness - roughness: closeness = 1 / (1 + d / 2 mm), d the distance of the tool from its reference;
+    roughness = 0.1 times the mean over the joints of the change of tau_m since the previous step, as a share of
+    torque_limit.
+
+    ## Start and end
+
+    At rest in the robot file's "home", a corner of the square (randomized: each joint within 0.02 rad of it). The
+    episode is truncated after 8 s, and terminated with `info["termination"]` = "joint_limit" when a link leaves its
+    joint's range, or "non_finite".
+
+    ## Arguments
+
+    Those of `fo_gym.envs.settings.Settings`, and `render_mode` ("human" or "rgb_array"). `reset` takes the option
+    "push".
+
+    ## Version history
+
+    * v0: first version.
+    """
+
+    task = SQUARE
+
+
+class SquareVectorEnv(JointVectorEnv):
+    """`num_envs` copies of SquareEnv in one batch."""
+
+    task = SQUARE

@@ -1,0 +1,162 @@
+"""Many environments in one batch, as `gymnasium.make_vec` gives them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+from gymnasium.spaces import Box
+from gymnasium.utils import seeding
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+
+from fo_gym.envs.actions import checked_action
+from fo_gym.envs.rendering import SceneRenderer
+from fo_gym.envs.settings import Settings
+from fo_gym.envs.simulation import Simulation, SimulationState
+from fo_gym.parameters import JointInfo
+from fo_gym.tasks.task import Task
+
+Array = NDArray[np.float64]
+
+__all__ = ["JointVectorEnv"]
+
+
+class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
+    """`num_envs` environments advanced together; each one behaves, to the bit, as `JointEnv` does alone.
+
+    Subclasses name the task. Autoreset is NEXT_STEP: the step after an episode's end ignores the action, resets that
+    environment and returns its first observation with reward 0.
+
+    Raises:
+        ValueError: an argument is not allowed; the message names the value and the remedy.
+    """
+
+    task: ClassVar[Task]
+    metadata: dict[str, Any] = {  # noqa: RUF012
+        "render_modes": ["rgb_array"],
+        "render_fps": 1000,
+        "autoreset_mode": AutoresetMode.NEXT_STEP,
+    }
+
+    def __init__(self, num_envs: int = 1, *, render_mode: str | None = None, **settings: Any) -> None:
+        chosen = Settings(**settings)
+        if num_envs < 1:
+            raise ValueError(f"num_envs is {num_envs}; it must be at least 1")
+        if render_mode not in (None, "rgb_array"):
+            raise ValueError(f"render_mode is {render_mode!r}; a vector environment allows None and 'rgb_array'")
+        self.num_envs = num_envs
+        self.simulation = Simulation(self.task, num_envs, chosen)
+        self.render_mode = render_mode
+        self.metadata = {**self.metadata, "render_fps": max(1, round(1.0 / chosen.step_dt))}
+        self._renderer: SceneRenderer | None = None
+        size = self.simulation.observation_size
+        limit = self.simulation.joints.torque_limit
+        self.single_observation_space = Box(-np.inf, np.inf, (size,), np.float64)
+        self.single_action_space = Box(-limit, limit, dtype=np.float64)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self._generators: list[np.random.Generator] = []
+        self._ended = np.zeros(num_envs, dtype=bool)
+        self._everyone = np.ones(num_envs, dtype=bool)
+
+    @property
+    def joint_info(self) -> JointInfo:
+        """What a compensator may know of the current episodes' joints; arrays are (num_envs, dof)."""
+        return self.simulation.joint_info
+
+    def _seed(self, seed: int | Sequence[int | None] | None) -> None:
+        if isinstance(seed, int | np.integer):
+            seed = [int(seed) + i for i in range(self.num_envs)]
+        if seed is None:
+            seed = [None] * self.num_envs
+        if len(seed) != self.num_envs:
+            raise ValueError(f"seed has {len(seed)} values; give one number, or one for each of {self.num_envs}")
+        old: Sequence[np.random.Generator | None] = self._generators or [None] * self.num_envs
+        self._generators = [
+            seeding.np_random(new)[0] if new is not None or generator is None else generator
+            for new, generator in zip(seed, old, strict=True)
+        ]
+
+    def _info(self) -> dict[str, Any]:
+        info: dict[str, Any] = {}
+        for name, value in self.simulation.truth().items():
+            info[name] = value
+            info[f"_{name}"] = self._everyone.copy()
+        return info
+
+    def reset(
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Array, dict[str, Any]]:
+        """Start an episode in every environment.
+
+        Args:
+            seed: s gives environment i the seed s + i; a sequence gives each its own; None continues the generators.
+            options: as in `JointEnv.reset`, for all environments.
+
+        Returns:
+            Observations (num_envs, size) and info, the privileged truth, (num_envs, dof) each.
+        """
+        self._seed(seed)
+        self.simulation.reset(np.arange(self.num_envs), self._generators, options)
+        self._ended[:] = False
+        if self._renderer is not None:
+            self._renderer.clear_trace()
+        return self.simulation.observation(), self._info()
+
+    def step(self, actions: Array) -> tuple[Array, Array, NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
+        """Apply tau_f_hat (or tau_m), (num_envs, dof), clipped to +-torque_limit, for one step.
+
+        Raises:
+            ValueError: the actions have the wrong shape, or are not finite.
+        """
+        batch = checked_action(actions, (self.num_envs, self.simulation.dof))
+        reward, terminated, truncated, reasons = self.simulation.step(batch)
+        if self._ended.any():
+            again = np.flatnonzero(self._ended)
+            self.simulation.reset(again, [self._generators[i] for i in again])
+            reward[again], terminated[again], truncated[again] = 0.0, False, False
+            reasons = {i: reason for i, reason in reasons.items() if not self._ended[i]}
+        self._ended = terminated | truncated
+        info = self._info()
+        if reasons:
+            info["termination"] = np.full(self.num_envs, None, dtype=object)
+            info["termination"][list(reasons)] = list(reasons.values())
+            info["_termination"] = terminated.copy()
+        if self._renderer is not None:
+            self._renderer.watch(self.simulation)
+        return self.simulation.observation(), reward, terminated, truncated, info
+
+    def render(self) -> tuple[Any, ...] | None:
+        """One image (height, width, 3) of uint8 per environment."""
+        if self.render_mode is None:
+            return None
+        if self._renderer is None:
+            self._renderer = SceneRenderer(self.simulation, self.render_mode)
+        return tuple(self._renderer.frame(self.simulation, i) for i in range(self.num_envs))
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Release the renderer."""
+        if self._renderer is not None:
+            self._renderer.close()
+            self._renderer = None
+
+    def get_state(self) -> tuple[SimulationState, list[dict[str, Any]], NDArray[np.bool_]]:
+        """A copy of the full state: simulation, random generators, and who resets at the next step."""
+        generators = [dict(generator.bit_generator.state) for generator in self._generators]
+        return self.simulation.get_state(), generators, self._ended.copy()
+
+    def set_state(self, state: tuple[SimulationState, list[dict[str, Any]], NDArray[np.bool_]]) -> None:
+        """Continue from what `get_state` returned, exactly."""
+        simulation, generators, ended = state
+        self.simulation.set_state(simulation)
+        self._seed([0] * self.num_envs)
+        for generator, saved in zip(self._generators, generators, strict=True):
+            generator.bit_generator.state = saved
+        self._ended = ended.copy()
+
+    def __getstate__(self) -> dict[str, Any]:
+        # A renderer holds an OpenGL context; the copy makes its own when asked to draw.
+        return {**self.__dict__, "_renderer": None}

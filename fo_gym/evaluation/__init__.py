@@ -1,0 +1,1 @@
+"""From a compensator to a published row: episodes, metrics, statistics, reports."""

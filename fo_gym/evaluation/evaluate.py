@@ -1,0 +1,124 @@
+"""Score a compensator: one row per episode."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import pandas as pd
+
+from fo_gym.compensators import Compensator, Ideal, NoCompensation, checked, make_compensator
+from fo_gym.evaluation.metrics import METRICS, score
+from fo_gym.evaluation.provenance import provenance
+from fo_gym.evaluation.recording import Progress, Recording, References, record
+from fo_gym.evaluation.seeds import VALIDATION_SEEDS, first
+
+OK, TERMINATED, FAILED = "ok", "terminated", "failed"
+
+__all__ = ["FAILED", "OK", "TERMINATED", "EpisodeSet", "evaluate", "failed_rows", "named_compensator", "rows"]
+
+
+@dataclass(frozen=True)
+class EpisodeSet:
+    """Episodes that every competitor meets: the same environment, variant, seeds and arguments.
+
+    Attributes:
+        env_id: registered environment.
+        variant: variant of it.
+        seeds: one per episode.
+        env_kwargs: further arguments of the environment.
+    """
+
+    env_id: str
+    variant: str
+    seeds: tuple[int, ...]
+    env_kwargs: Mapping[str, Any]
+
+    def record(self, compensator: Compensator, name: str, progress: Progress | None = None) -> Recording:
+        """Run `compensator` on these episodes."""
+        return record(compensator, name, self.env_id, self.variant, self.seeds, self.env_kwargs, progress)
+
+
+def named_compensator(compensator: str | type | Compensator) -> tuple[str, Compensator]:
+    """Name and instance of what a user may hand over: a name, a spec, a class or an instance."""
+    if isinstance(compensator, str):
+        return compensator, make_compensator(compensator)
+    if isinstance(compensator, type):
+        return compensator.__name__, checked(compensator(), compensator.__name__)
+    return type(compensator).__name__, checked(compensator, type(compensator).__name__)
+
+
+def rows(
+    episodes: EpisodeSet, name: str, recording: Recording, references: References, protocol: str = ""
+) -> pd.DataFrame:
+    """The scores of a recording, one row per episode."""
+    table = []
+    for i, seed in enumerate(episodes.seeds):
+        episode = recording.episode(i, references)
+        reason = recording.terminations[i]
+        error = f"{reason} at {recording.ended[i] * recording.dt:.3f} s" if reason else ""
+        table.append(
+            {
+                "env": episodes.env_id,
+                "variant": episodes.variant,
+                "compensator": name,
+                "seed": seed,
+                "status": TERMINATED if reason else OK,
+                "error": error,
+                **score(episode),
+                "joint_unit": episode.joint_unit,
+                **provenance(protocol),
+            }
+        )
+    return pd.DataFrame(table)
+
+
+def failed_rows(episodes: EpisodeSet, name: str, error: str, protocol: str = "") -> pd.DataFrame:
+    """Rows of a competitor that could not be run: no scores, and why."""
+    row = {"env": episodes.env_id, "variant": episodes.variant, "compensator": name}
+    scores = dict.fromkeys(METRICS, float("nan"))
+    return pd.DataFrame(
+        {**row, "seed": seed, "status": FAILED, "error": error, **scores, "joint_unit": "", **provenance(protocol)}
+        for seed in episodes.seeds
+    )
+
+
+def evaluation_seeds(variant: str, seeds: int | Sequence[int]) -> tuple[int, ...]:
+    """The seeds that are meant: n means the first n validation seeds; "nominal" has no randomness and runs once."""
+    if not isinstance(seeds, int):
+        return tuple(int(seed) for seed in seeds)
+    return first(VALIDATION_SEEDS, 1 if variant == "nominal" else seeds)
+
+
+def evaluate(
+    compensator: str | type | Compensator,
+    env_id: str,
+    *,
+    variant: str = "nominal",
+    seeds: int | Sequence[int] = 20,
+    **env_kwargs: Any,
+) -> pd.DataFrame:
+    """Score a compensator, beside the friction-free and the uncompensated run of the same episodes.
+
+    Args:
+        compensator: a registered name, "module:Class", "file.py:Class", a class or an instance.
+        env_id: a registered environment, such as "FJRStiction-v0".
+        variant: "nominal" (one episode) or "randomized".
+        seeds: how many validation seeds, or the seeds themselves.
+        env_kwargs: further arguments of the environment.
+
+    Returns:
+        One row per episode: env, variant, compensator, seed, status, error, frr, the other metrics, joint_unit and
+        provenance. What does not apply is NaN.
+
+    Raises:
+        CompensatorError: the compensator raised, or returned what is not a finite (num_envs, dof) array.
+        ValueError, TypeError: an argument is not allowed.
+    """
+    name, instance = named_compensator(compensator)
+    episodes = EpisodeSet(env_id, variant, evaluation_seeds(variant, seeds), env_kwargs)
+    ideal = episodes.record(Ideal(), "ideal")
+    none = episodes.record(NoCompensation(), "none")
+    references = References(ideal.motions, none.motions)
+    return rows(episodes, name, episodes.record(instance, name), references)

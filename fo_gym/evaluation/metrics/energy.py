@@ -1,0 +1,50 @@
+"""Energy: whether the observer, or the compensated joint, produces some."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from fo_gym.evaluation.metrics.reductions import smallest
+from fo_gym.evaluation.metrics.registry import metric
+from fo_gym.evaluation.record import Episode
+
+_STUCK = 1e-4
+"""Motor speed below which a joint counts as stuck, m/s or rad/s."""
+
+
+@metric("observer_work_in_stiction_j", unit="J", better="higher")
+def observer_work_in_stiction(episode: Episode) -> float:
+    """Work that the observer takes up while its joint is stuck, smallest over joints; negative = it produced energy.
+
+        W = - ∫ e' tau_f_hat dt,  e = theta_n - theta,  over the periods with |theta'| < 1e-4 m/s or rad/s at both ends
+
+    In J. e' and -tau_f_hat are the pair of the paper's Theorem 2. As tau_f_hat is held over a period, the integral
+    over one is exactly tau_f_hat[k] (e[k+1] - e[k]). The signs: with Le Tien, tau_f_hat = -B L e', so
+    W = B L ∫ e'^2 >= 0; the PD-type adds B L L_p/2 times the growth of e^2 over each stuck interval, which may be
+    negative but only gives back what was stored at its start; the integral of the PID-type adds a term without
+    bound. A joint that was never stuck does not count; NaN if none was.
+    """
+    error = episode.theta_n - episode.motion.theta
+    slow = np.abs(episode.theta_dot) < _STUCK
+    stuck = slow[:-1] & slow[1:]
+    work = 0.0 - np.sum(episode.tau_f_hat * np.diff(error, axis=0), axis=0, where=stuck)
+    return smallest(np.where(stuck.any(axis=0), work, np.nan))
+
+
+@metric("passivity_index_j", unit="J", better="higher")
+def passivity_index(episode: Episode) -> float:
+    """Lowest energy that the push had put into the arm at any time; negative = the arm gave energy out.
+
+        min over t of ∫_0^t tau_ext' q_dot dt,  at most 0
+
+    In J, summed over joints: trapezoidal rule, tau_ext of a period times the mean of q_dot at its ends. The
+    torque is zero but for the push, so that nothing adds up before or after it. 0 if never negative; NaN without
+    a push within the episode.
+    """
+    if episode.push is None or episode.push.time >= episode.duration:
+        return math.nan
+    velocity = (episode.q_dot[:-1] + episode.q_dot[1:]) / 2
+    work = episode.dt * np.sum(episode.tau_ext * velocity, axis=1)
+    return float(np.min(np.cumsum(work), initial=0.0))

@@ -1,0 +1,86 @@
+"""How a function from an episode to a number becomes a metric, that is a column of the results."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+from fo_gym.evaluation.record import Episode
+
+Better = Literal["lower", "higher"]
+
+UNIT_ENDINGS = {
+    "ju": "_ju",
+    "mm": "_mm",
+    "s": "_s",
+    "ms": "_ms",
+    "%": "_percent",
+    "J": "_j",
+    "Hz": "_hz",
+    "1": "_ratio",
+}
+"""Units that a metric may have ("ju" = joint unit, m or rad; "1" = none), with the ending of its column name."""
+
+HEADLINE = "frr"
+"""The one name without a unit's ending: the friction rejection ratio."""
+
+
+@dataclass(frozen=True)
+class Metric:
+    """One column of the results.
+
+    Attributes:
+        name: column name; it ends with its unit (`UNIT_ENDINGS`).
+        unit: a key of `UNIT_ENDINGS`.
+        better: whether "lower" or "higher" values are better.
+        description: one line, the first of the function's docstring.
+        function: the metric itself; NaN where it does not apply.
+    """
+
+    name: str
+    unit: str
+    better: Better
+    description: str
+    function: Callable[[Episode], float]
+
+    def __post_init__(self) -> None:
+        if self.unit not in UNIT_ENDINGS:
+            raise ValueError(f"metric {self.name!r} has unit {self.unit!r}; use one of {sorted(UNIT_ENDINGS)}")
+        if self.better not in ("lower", "higher"):
+            raise ValueError(f"metric {self.name!r} has better={self.better!r}; use 'lower' or 'higher'")
+        ending = UNIT_ENDINGS[self.unit]
+        if self.name != HEADLINE and not self.name.endswith(ending):
+            raise ValueError(f"metric {self.name!r} is in {self.unit!r}; its name must end in {ending!r}")
+
+
+_registered: dict[str, Metric] = {}
+
+
+def metric(
+    name: str, *, unit: str, better: Better
+) -> Callable[[Callable[[Episode], float]], Callable[[Episode], float]]:
+    """Register the decorated function as the metric `name`; its docstring's first line describes it.
+
+    Args:
+        name: column name, ending with its unit.
+        unit: a key of `UNIT_ENDINGS`.
+        better: "lower" or "higher".
+
+    Raises:
+        ValueError: for a name that is taken or does not end with its unit, or an unknown unit or direction.
+    """
+
+    def register(function: Callable[[Episode], float]) -> Callable[[Episode], float]:
+        if name in _registered:
+            raise ValueError(f"metric {name!r} exists already, in {_registered[name].function.__module__}")
+        description = (function.__doc__ or "").strip().partition("\n")[0]
+        _registered[name] = Metric(name, unit, better, description, function)
+        return function
+
+    return register
+
+
+def metrics_of(module: str) -> list[Metric]:
+    """Metrics that the module of this full name registered, in the order of its source."""
+    return [each for each in _registered.values() if each.function.__module__ == module]

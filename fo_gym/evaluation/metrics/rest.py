@@ -1,0 +1,192 @@
+"""Coming to rest: where the joints stop, how they get there, and whether they hunt around it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+from fo_gym.evaluation.metrics.reductions import largest
+from fo_gym.evaluation.metrics.registry import metric
+from fo_gym.evaluation.record import Array, Episode
+
+_REST = 1.0
+"""Length of the window for a rest error, s."""
+
+_SETTLING_BAND = 0.02
+"""Half width of the settling band, as a fraction of the step."""
+
+_NO_STEP = 1e-9
+"""Step of a joint, m or rad, below which it has no step response."""
+
+_CREEP_PRICE = 1e-3
+"""Peak to peak that has to be gained per unit of creep taken out, so that none is where none shows."""
+
+_NO_LIMIT_CYCLE = 2e-5
+"""Peak-to-peak motion, m or rad, below which a limit cycle has no period."""
+
+
+@metric("rest_error_before_push_ju", unit="ju", better="lower")
+def rest_error_before_push(episode: Episode) -> float:
+    """Mean |theta - theta_d| over the last second before the push, worst joint.
+
+    In m or rad. NaN without a push within the episode, or where the reference has not stood still for that
+    second (the push comes less than 1 s after the start, the step, or the end of the path).
+    """
+    push = episode.push
+    if push is None or push.time > episode.duration:
+        return math.nan
+    return _rest_error(episode, push.time)
+
+
+@metric("rest_error_ju", unit="ju", better="lower")
+def rest_error(episode: Episode) -> float:
+    """Mean |theta - theta_d| over the last second of the episode, worst joint.
+
+    In m or rad. NaN where there was no rest: the reference moved or the push acted within that second, or
+    the episode is shorter than 1 s.
+    """
+    push = episode.push
+    if push is not None and push.time < episode.duration and push.time + push.duration > episode.duration - _REST:
+        return math.nan
+    return _rest_error(episode, episode.duration)
+
+
+def _rest_error(episode: Episode, end: float) -> float:
+    """Mean |theta - theta_d| over the second before `end` (s), worst joint; NaN if the reference moved in it."""
+    window = episode.ticks(end - _REST, end)
+    moved_until = max(episode.step_time or 0.0, episode.motion_window[1] if episode.motion_window else 0.0)
+    if window.start < round(moved_until / episode.dt):
+        return math.nan
+    return largest(np.mean(np.abs(episode.motion.theta[window] - episode.theta_d[window]), axis=0))
+
+
+@metric("limit_cycle_amplitude_ju", unit="ju", better="lower")
+def limit_cycle_amplitude(episode: Episode) -> float:
+    """Peak to peak of the motion in the limit-cycle window that friction adds, without slow creep, worst joint.
+
+    In m or rad. Taken per joint from theta - theta_ideal or from theta - theta_d, whichever moves less: a limit
+    cycle is motion, and motion that the joint without friction does not make. (Where the friction-free joint
+    still rings, the first alone would give a stuck joint that ringing, the second a perfect one.) Creep is the
+    straight line a + b t that leaves the smallest peak to peak (`_without_creep`). NaN without a window, or if it
+    ends after the episode. A push within the window is not looked for.
+    """
+    cycles = _limit_cycles(episode)
+    return math.nan if cycles is None else largest(np.ptp(cycles, axis=0))
+
+
+@metric("limit_cycle_period_s", unit="s", better="higher")
+def limit_cycle_period(episode: Episode) -> float:
+    """Period of the motion in the limit-cycle window, on the joint with the largest amplitude.
+
+    In s: the mean time between two changes to the same side. The joint changes side when it gets into the
+    upper or the lower quarter of its peak-to-peak range, coming from the other; slips of half the range
+    (stick-slip in pairs) therefore count as one change. Slow cycles show only two changes, there and back, in
+    the window: half a cycle, which is doubled. NaN where the amplitude does not apply or is below 2e-5 m or rad,
+    and with fewer than two changes.
+    """
+    cycles = _limit_cycles(episode)
+    if cycles is None:
+        return math.nan
+    amplitudes = np.ptp(cycles, axis=0)
+    joint = int(np.argmax(amplitudes))
+    if amplitudes[joint] < _NO_LIMIT_CYCLE:
+        return math.nan
+    changes = _changes_of_side(cycles[:, joint])
+    if len(changes) < 2:
+        return math.nan
+    if len(changes) == 2:
+        return 2.0 * episode.dt * float(changes[1] - changes[0])
+    return episode.dt * float(np.mean(changes[2:] - changes[:-2]))
+
+
+def _limit_cycles(episode: Episode) -> Array | None:
+    """Motion that friction adds in the limit-cycle window, without creep, (ticks, dof); None without a window."""
+    if episode.limit_cycle_window is None:
+        return None
+    window = episode.ticks(*episode.limit_cycle_window)
+    if window.stop > len(episode.theta_d):
+        return None
+    theta = episode.motion.theta[window]
+    from_ideal = np.apply_along_axis(_without_creep, 0, theta - episode.ideal.theta[window])
+    from_target = np.apply_along_axis(_without_creep, 0, theta - episode.theta_d[window])
+    return np.where(np.ptp(from_ideal, axis=0) <= np.ptp(from_target, axis=0), from_ideal, from_target)
+
+
+def _without_creep(signal: Array) -> Array:
+    """`signal` (ticks,) without the linear trend whose removal leaves the smallest peak to peak.
+
+    That is the straight line fitted in the maximum norm. It removes a linear creep wholly and, unlike a
+    least-squares line, never enlarges a cycle: a window with few slips has no whole number of periods, and
+    least squares would see a slope in the slips themselves (half as much again on the paper's example). Among
+    lines that leave practically the same, as around a single slip, it is the flattest.
+    """
+    height = float(np.ptp(signal))
+    if height == 0.0:
+        return signal
+    ramp = np.linspace(-0.5, 0.5, len(signal))
+    best = minimize_scalar(  # convex in the drift, which cannot exceed twice the height
+        lambda drift: np.ptp(signal - drift * ramp) + _CREEP_PRICE * abs(drift),
+        bounds=(-2.0 * height, 2.0 * height),
+        method="bounded",
+        options={"xatol": 1e-9 * height},
+    )
+    return signal - best.x * ramp
+
+
+def _changes_of_side(signal: Array) -> NDArray[np.intp]:
+    """Ticks at which `signal` (ticks,) enters the upper or lower quarter of its range, coming from the other one."""
+    quarter = np.ptp(signal) / 4
+    side = np.where(signal > signal.max() - quarter, 1, np.where(signal < signal.min() + quarter, -1, 0))
+    decided = np.flatnonzero(side)
+    changes: NDArray[np.intp] = decided[1:][np.diff(side[decided]) != 0]
+    return changes
+
+
+@metric("settling_time_s", unit="s", better="lower")
+def settling_time(episode: Episode) -> float:
+    """Time from the step until every joint stays within 2 % of its step around theta_d.
+
+    In s, up to the push or the end of the episode. The step of a joint is |theta_d at the end of that time -
+    theta_ideal at the step|: the friction-free start, so that every competitor meets the same band wherever
+    its own friction had left it. Joints without a step (below 1e-9 m or rad) do not count. A joint that never
+    settles counts the whole available time. NaN where no joint steps.
+    """
+    response = _step_response(episode)
+    outside = np.abs(response) > _SETTLING_BAND
+    if not outside.size:
+        return math.nan
+    last_outside = np.flatnonzero(outside.any(axis=1))
+    settled = last_outside[-1] + 1 if len(last_outside) else 0
+    return episode.dt * float(min(settled, len(response) - 1))
+
+
+@metric("overshoot_percent", unit="%", better="lower")
+def overshoot(episode: Episode) -> float:
+    """How far a joint moves past theta_d, as a share of its step, worst joint.
+
+    In percent, 0 without overshoot; window and step as for the settling time. NaN where no joint steps.
+    """
+    response = _step_response(episode)
+    return 100.0 * float(np.max(response, initial=0.0)) if response.size else math.nan
+
+
+def _step_response(episode: Episode) -> Array:
+    """(theta - theta_d) / step from the step to the push or the end, (ticks, joints that step).
+
+    Positive means past the target. Empty where there is no step. A push that starts before the step, or with
+    it, does not end the window.
+    """
+    start = episode.step_time
+    if start is None or start >= episode.duration:
+        return np.empty((0, 0))
+    push = episode.push
+    end = min(push.time, episode.duration) if push is not None and push.time > start else episode.duration
+    window = episode.ticks(start, end)
+    theta, theta_d = episode.motion.theta[window], episode.theta_d[window]
+    step = theta_d[-1] - episode.ideal.theta[window.start]
+    steps = np.abs(step) >= _NO_STEP
+    response: Array = (theta - theta_d)[:, steps] / step[steps]
+    return response

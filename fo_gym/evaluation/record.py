@@ -1,0 +1,93 @@
+"""What an episode leaves behind: the record from which every metric is computed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fo_gym.tasks.scenario import Push
+
+Array = NDArray[np.float64]
+
+__all__ = ["Episode", "Motion", "Push"]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Where the motors and the tool were, tick by tick.
+
+    Attributes:
+        theta: motor positions, (ticks, dof), m or rad.
+        tool: tool position in the world, (ticks, 3), m; None where the task has no tool path.
+    """
+
+    theta: Array
+    tool: Array | None
+
+    @property
+    def scored(self) -> Array:
+        """The signal y that the friction rejection ratio compares, (ticks, size)."""
+        return self.theta if self.tool is None else self.tool
+
+
+@dataclass(frozen=True)
+class Episode:
+    """One episode of one competitor, with the two references that its score needs.
+
+    `ticks` = `periods` + 1. Arrays over ticks hold values at the ticks 0..N; arrays over periods hold
+    what was applied, or averaged, from tick k to tick k + 1.
+
+    Attributes:
+        dt: time between two ticks, s (control_dt x decimation).
+        joint_unit: "m" or "rad".
+        motion: theta and tool of the competitor.
+        ideal: the same episode without friction.
+        none: the same episode without compensation.
+        theta_dot, q, q_dot, theta_n, theta_n_dot: over ticks, (ticks, dof).
+        theta_d: desired motor position, (ticks, dof).
+        tool_d: desired tool position, (ticks, 3), m, or None.
+        tau_f_hat: estimate that was applied, (periods, dof), N or N m.
+        tau_f: true friction torque, mean over each period, (periods, dof); it opposes motion.
+        tau_m, tau_ext: motor torque and external torque as applied, (periods, dof).
+        torque_limit: (dof,), N or N m.
+        step_time: when the target last jumped, s; None where the reference moves smoothly.
+        limit_cycle_window: (start, end) in s where a limit cycle is looked for, or None.
+        motion_window: (start, end) in s where the reference moves along its path, or None.
+        push: the external push of the episode, or None.
+        termination: "" or why the episode ended early ("joint_limit" | "non_finite"). After the end
+            every array holds its last finite value.
+    """
+
+    dt: float
+    joint_unit: str
+    motion: Motion
+    ideal: Motion
+    none: Motion
+    theta_dot: Array
+    q: Array
+    q_dot: Array
+    theta_n: Array
+    theta_n_dot: Array
+    theta_d: Array
+    tool_d: Array | None
+    tau_f_hat: Array
+    tau_f: Array
+    tau_m: Array
+    tau_ext: Array
+    torque_limit: Array
+    step_time: float | None
+    limit_cycle_window: tuple[float, float] | None
+    motion_window: tuple[float, float] | None
+    push: Push | None
+    termination: str
+
+    @property
+    def duration(self) -> float:
+        """Length of the episode, s."""
+        return self.dt * (len(self.motion.theta) - 1)
+
+    def ticks(self, start: float, end: float) -> slice:
+        """Ticks from `start` to `end` (both in s, both included)."""
+        return slice(round(start / self.dt), round(end / self.dt) + 1)

@@ -1,0 +1,266 @@
+"""Run one compensator on a batch of episodes and keep what happened."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+from numpy.typing import NDArray
+
+from fo_gym.compensators import Compensator, CompensatorError, Ideal
+from fo_gym.envs.vector import JointVectorEnv
+from fo_gym.evaluation.record import Episode, Motion
+from fo_gym.parameters import FRICTIONLESS
+from fo_gym.plant.rigid_body import RigidBody
+from fo_gym.sensors import Signals
+from fo_gym.tasks.scenario import Push
+from fo_gym.tasks.task import Task
+
+Array = NDArray[np.float64]
+Progress = Callable[[int], None]
+
+_TICK_SIGNALS = ("theta_n", "theta_n_dot", "theta_d", "reference")
+_TICK_TRUTH = ("theta", "theta_dot", "q", "q_dot")
+_PERIOD_TRUTH = ("tau_m", "tau_f", "tau_ext")
+_PROGRESS_EVERY = 500
+
+__all__ = ["Motions", "Recording", "References", "record"]
+
+
+@dataclass(frozen=True)
+class Motions:
+    """Motors and tools of a batch.
+
+    Attributes:
+        theta: (ticks, num_envs, dof), m or rad.
+        tool: (ticks, num_envs, 3), m, or None.
+    """
+
+    theta: Array
+    tool: Array | None
+
+    def episode(self, i: int) -> Motion:
+        """Motors and tool of episode i."""
+        return Motion(self.theta[:, i], None if self.tool is None else self.tool[:, i])
+
+
+@dataclass(frozen=True)
+class References:
+    """The two runs that every score of a batch is relative to.
+
+    Attributes:
+        ideal: without friction.
+        none: with friction, without compensation.
+    """
+
+    ideal: Motions
+    none: Motions
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A batch of episodes of one compensator.
+
+    Attributes:
+        task: what was run.
+        dt: time between two ticks [s].
+        ticks: arrays (ticks, num_envs, size) by name: theta, theta_dot, q, q_dot, and on a path tool, as they truly
+            were; theta_n, theta_n_dot, theta_d, reference as the compensator saw them.
+        periods: arrays (periods, num_envs, dof) by name: tau_f_hat, tau_m, tau_f, tau_ext.
+        pushes: the push of each episode, or None.
+        torque_limit: (dof,).
+        terminations: "" or why each episode ended early.
+        ended: tick at which each episode ended.
+        seconds: time that each call of `estimate` took, (periods,) [s].
+    """
+
+    task: Task
+    dt: float
+    ticks: Mapping[str, Array]
+    periods: Mapping[str, Array]
+    pushes: Sequence[Push | None]
+    torque_limit: Array
+    terminations: Sequence[str]
+    ended: NDArray[np.int64]
+    seconds: Array
+
+    @property
+    def motions(self) -> Motions:
+        """Motors and tools of all episodes."""
+        return Motions(self.ticks["theta"], self.ticks.get("tool"))
+
+    def episode(self, i: int, references: References) -> Episode:
+        """The record of episode i, beside its two references."""
+        ticks = {name: array[:, i] for name, array in self.ticks.items()}
+        periods = {name: array[:, i] for name, array in self.periods.items()}
+        return Episode(
+            dt=self.dt,
+            joint_unit=self.task.joint_unit,
+            motion=self.motions.episode(i),
+            ideal=references.ideal.episode(i),
+            none=references.none.episode(i),
+            theta_dot=ticks["theta_dot"],
+            q=ticks["q"],
+            q_dot=ticks["q_dot"],
+            theta_n=ticks["theta_n"],
+            theta_n_dot=ticks["theta_n_dot"],
+            theta_d=ticks["theta_d"],
+            tool_d=None if self.task.path is None else ticks["reference"],
+            tau_f_hat=periods["tau_f_hat"],
+            tau_f=periods["tau_f"],
+            tau_m=periods["tau_m"],
+            tau_ext=periods["tau_ext"],
+            torque_limit=self.torque_limit,
+            step_time=self.task.step_time,
+            limit_cycle_window=self.task.limit_cycle_window,
+            motion_window=self.task.motion_window,
+            push=self.pushes[i],
+            termination=self.terminations[i],
+        )
+
+
+def _estimate(compensator: Compensator, name: str, obs: Array, dof: int, alive: NDArray[np.bool_], tick: int) -> Array:
+    """The compensator's answer to an observation, checked where it counts: in the episodes that still run."""
+    try:
+        answer = np.asarray(compensator.estimate(Signals.from_observation(obs, dof)), dtype=np.float64)
+    except Exception as error:
+        raise CompensatorError(f"{name}: estimate raised {type(error).__name__} at tick {tick}: {error}") from error
+    if answer.shape != (len(obs), dof):
+        raise CompensatorError(
+            f"{name}: estimate returned shape {answer.shape} at tick {tick}; (num_envs, dof) is {len(obs), dof}"
+        )
+    bad = alive & ~np.isfinite(answer).all(axis=1)
+    if bad.any():
+        i = int(np.flatnonzero(bad)[0])
+        raise CompensatorError(
+            f"{name}: estimate returned {answer[i]} at tick {tick} in episode {i}; it must be finite"
+        )
+    return np.where(alive[:, None], answer, 0.0)
+
+
+def _reset(compensator: Compensator, name: str, env: JointVectorEnv) -> None:
+    try:
+        compensator.reset(env.joint_info, env.num_envs)
+    except Exception as error:
+        raise CompensatorError(f"{name}: reset raised {type(error).__name__}: {error}") from error
+
+
+def record(
+    compensator: Compensator,
+    name: str,
+    env_id: str,
+    variant: str,
+    seeds: Sequence[int],
+    env_kwargs: Mapping[str, Any],
+    progress: Progress | None = None,
+) -> Recording:
+    """Run `compensator` on one batch, an episode per seed, each to its end.
+
+    Args:
+        compensator: who is scored; `Ideal` runs on joints without friction.
+        name: what to call it in errors.
+        env_id: registered environment.
+        variant: variant of it.
+        seeds: one per episode.
+        env_kwargs: further arguments of the environment.
+        progress: called now and then with the number of ticks done since the last call.
+
+    Raises:
+        CompensatorError: it raised, or returned what is not a finite (num_envs, dof) array.
+    """
+    kwargs = {**env_kwargs, "feedback": compensator.feedback}
+    if isinstance(compensator, Ideal):
+        kwargs["friction"] = FRICTIONLESS
+    env = gym.make_vec(env_id, num_envs=len(seeds), variant=variant, **kwargs).unwrapped
+    if not isinstance(env, JointVectorEnv):
+        raise ValueError(f"{env_id} is not an environment of this suite")
+    obs, info = env.reset(seed=list(seeds))
+    _reset(compensator, name, env)
+    return _Recorder(env, obs, info).run(compensator, name, progress)
+
+
+class _Recorder:
+    """The arrays of a recording while it is made."""
+
+    def __init__(self, env: JointVectorEnv, obs: Array, info: Mapping[str, Any]) -> None:
+        self.env = env
+        self.simulation = env.simulation
+        self.dof = self.simulation.dof
+        self.steps = self.simulation.last_tick // self.simulation.settings.decimation
+        signals = Signals.from_observation(obs, self.dof)
+        sizes = {name: getattr(signals, name).shape[-1] for name in _TICK_SIGNALS}
+        sizes |= dict.fromkeys(_TICK_TRUTH, self.dof)
+        self.ticks = {name: np.empty((self.steps + 1, env.num_envs, size)) for name, size in sizes.items()}
+        shape = (self.steps, env.num_envs, self.dof)
+        self.periods = {name: np.empty(shape) for name in ("tau_f_hat", *_PERIOD_TRUTH)}
+        self.pushes = [scenario.push for scenario in self.simulation.scenarios]
+        self.alive = np.ones(env.num_envs, dtype=bool)
+        self.ended = np.full(env.num_envs, self.steps)
+        self.terminations = [""] * env.num_envs
+        self.seconds = np.empty(self.steps)
+        self.obs = obs
+        self._keep_tick(0, info)
+
+    def _keep_tick(self, tick: int, info: Mapping[str, Any]) -> None:
+        signals = Signals.from_observation(self.obs, self.dof)
+        for name, array in self.ticks.items():
+            array[tick] = info[name] if name in _TICK_TRUTH else getattr(signals, name)
+
+    def run(self, compensator: Compensator, name: str, progress: Progress | None) -> Recording:
+        """All episodes, tick by tick."""
+        limit = np.asarray(self.simulation.joints.torque_limit)
+        for step in range(self.steps):
+            start = time.perf_counter()
+            estimate = _estimate(compensator, name, self.obs, self.dof, self.alive, step)
+            self.seconds[step] = time.perf_counter() - start
+            self.obs, _, terminated, _, info = self.env.step(estimate)
+            self.periods["tau_f_hat"][step] = np.clip(estimate, -limit, limit)
+            for part in _PERIOD_TRUTH:
+                self.periods[part][step] = info[part]
+            self._keep_tick(step + 1, info)
+            if terminated.any():
+                self._end(step + 1, terminated, info)
+                if not self.alive.any():
+                    self.seconds = self.seconds[: step + 1]
+                    break
+            if progress is not None and (step + 1) % _PROGRESS_EVERY == 0:
+                progress(_PROGRESS_EVERY)
+        self._hold_ends()
+        return self._recording(limit)
+
+    def _end(self, tick: int, terminated: NDArray[np.bool_], info: Mapping[str, Any]) -> None:
+        for i in np.flatnonzero(terminated & self.alive):
+            self.ended[i] = tick
+            self.terminations[i] = str(info["termination"][i])
+        self.alive &= ~terminated
+
+    def _hold_ends(self) -> None:
+        """After an early end every array holds its last value: the joint stays where it was lost."""
+        for i in np.flatnonzero(~self.alive):
+            end = self.ended[i]
+            for array in self.ticks.values():
+                array[end:, i] = array[end, i]
+            for array in self.periods.values():
+                array[end:, i] = array[end - 1, i]
+
+    def _recording(self, limit: Array) -> Recording:
+        simulation = self.simulation
+        if simulation.task.path is not None:
+            body = RigidBody(simulation.task.robot, self.steps + 1)
+            tool = [body.tool_position(self.ticks["q"][:, i]) for i in range(self.env.num_envs)]
+            self.ticks["tool"] = np.stack(tool, axis=1)
+        return Recording(
+            task=simulation.task,
+            dt=simulation.settings.step_dt,
+            ticks=self.ticks,
+            periods=self.periods,
+            pushes=self.pushes,
+            torque_limit=limit,
+            terminations=self.terminations,
+            ended=self.ended,
+            seconds=self.seconds,
+        )

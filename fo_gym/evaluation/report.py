@@ -1,0 +1,69 @@
+"""Write the results: CSV files, a Markdown page and figures."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pandas as pd
+
+from fo_gym.evaluation.figures import figures
+from fo_gym.evaluation.leaderboard import leaderboard
+from fo_gym.evaluation.protocol import Protocol
+from fo_gym.evaluation.run import Results
+from fo_gym.evaluation.tables import markdown, rankings
+
+__all__ = ["markdown_page", "write_results"]
+
+
+def _atomic(path: Path, text: str) -> None:
+    """Write whole or not at all: a reader, or a run that is killed, never leaves half a file."""
+    draft = path.with_name(path.name + ".part")
+    draft.write_text(text, encoding="utf-8", newline="\n")
+    os.replace(draft, path)
+
+
+def _csv(table: pd.DataFrame) -> str:
+    return str(table.to_csv(index=False, float_format="%.6g", lineterminator="\n"))
+
+
+def markdown_page(protocol: Protocol, episodes: pd.DataFrame, pictures: list[Path]) -> str:
+    """The leaderboard as a page: one table per environment and variant, then the figures."""
+    versions = {
+        name.removeprefix("version_"): episodes[name].iloc[0]
+        for name in map(str, episodes)
+        if name.startswith("version_")
+    }
+    count = len(protocol.seeds_of("randomized"))
+    parts = [
+        "# Leaderboard\n",
+        "FRR, the friction rejection ratio, is 1 where a compensator makes the joints move as if there were no "
+        "friction, 0 where it is useless, below 0 where it does harm. Numbers are interquartile means over the "
+        f"episodes ({count} seeds; the nominal variant is one episode, its interval its value), with 95 % bootstrap "
+        "intervals. `none` (no compensation) and `ideal` (no friction) are the two references. Verdict: paired "
+        'comparison with the best, seed by seed; "tied" where its interval holds zero.\n',
+        f"Protocol `{protocol.stamp}`; {versions}.\n",
+    ]
+    for ranking in rankings(episodes):
+        parts += [f"## {ranking.title}\n", markdown(ranking)]
+    parts += [f"![{path.stem}](figures/{path.name})\n" for path in pictures]
+    return "\n".join(parts)
+
+
+def write_results(protocol: Protocol, results: Results, out: Path) -> list[Path]:
+    """Write episodes.csv, leaderboard.csv, timing.csv, leaderboard.md and the figures into `out`.
+
+    Returns:
+        What was written.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    pictures = figures(results, out / "figures")
+    texts = {
+        "episodes.csv": _csv(results.episodes),
+        "leaderboard.csv": _csv(leaderboard(results.episodes)),
+        "timing.csv": _csv(results.timing),
+        "leaderboard.md": markdown_page(protocol, results.episodes, pictures),
+    }
+    for name, text in texts.items():
+        _atomic(out / name, text)
+    return [*(out / name for name in texts), *pictures]

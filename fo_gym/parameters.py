@@ -1,0 +1,174 @@
+"""What a joint, its friction and its controllers are made of: frozen, checked, with units.
+
+A field takes a float (the same for all joints) or an array with one value per joint.
+"N | N m" reads: N on a sliding joint, N m on a revolute one; "ju" is the joint's own unit, m or rad.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Value = float | Array
+
+__all__ = ["FRICTIONLESS", "FlexibleJoint", "ImpedanceGains", "JointInfo", "LuGre", "PDGains", "per_joint"]
+
+
+def _check(owner: Any, *, positive: tuple[str, ...] = (), not_negative: tuple[str, ...] = ()) -> None:
+    """Raise ValueError naming the first field that is not finite, or below its bound."""
+    for name in positive + not_negative:
+        value = np.asarray(getattr(owner, name), dtype=np.float64)
+        in_range = value > 0 if name in positive else value >= 0
+        if not np.all(in_range & np.isfinite(value)):
+            bound = "above 0" if name in positive else "at least 0"
+            raise ValueError(f"{type(owner).__name__}.{name} is {value}; every value must be finite and {bound}")
+
+
+def per_joint(parameters: Any, dof: int) -> Any:
+    """The same parameters with every field as an array (dof,).
+
+    Raises:
+        ValueError: a field has neither one value nor `dof` of them.
+    """
+    values = {}
+    for field in fields(parameters):
+        value = np.asarray(getattr(parameters, field.name), dtype=np.float64)
+        if value.shape not in ((), (1,), (dof,)):
+            raise ValueError(
+                f"{type(parameters).__name__}.{field.name} has shape {value.shape}; "
+                f"give one value for all joints or one for each of the {dof}"
+            )
+        values[field.name] = np.broadcast_to(value, (dof,)).copy()
+    return type(parameters)(**values)
+
+
+@dataclass(frozen=True, eq=False)
+class LuGre:
+    """LuGre friction on the motor side (Canudas de Wit et al. 1995); v = theta'.
+
+        z'    = v - sigma_0 |v| / g(v) z,   g(v) = f_c + (f_s - f_c) exp(-(v/v_s)^2)
+        tau_f = -(sigma_0 z + sigma_1 z' + sigma_2 v)      opposes motion in B theta'' + tau_j = tau_m + tau_f
+
+    Attributes:
+        sigma_0: bristle stiffness [N/m | N m/rad], at least 0; 0 leaves only viscous friction.
+        sigma_1: bristle damping [N s/m | N m s/rad], at least 0.
+        sigma_2: viscous coefficient [N s/m | N m s/rad], at least 0.
+        f_c: Coulomb friction [N | N m], at least 0, above 0 where sigma_0 is.
+        f_s: stiction [N | N m], at least f_c.
+        v_s: Stribeck velocity [ju/s], above 0.
+    """
+
+    sigma_0: Value
+    sigma_1: Value
+    sigma_2: Value
+    f_c: Value
+    f_s: Value
+    v_s: Value
+
+    def __post_init__(self) -> None:
+        _check(self, positive=("v_s",), not_negative=("sigma_0", "sigma_1", "sigma_2", "f_c", "f_s"))
+        if np.any(np.asarray(self.f_s) < np.asarray(self.f_c)):
+            raise ValueError(
+                f"LuGre.f_s is {self.f_s}; stiction must be at least the Coulomb friction f_c = {self.f_c}"
+            )
+        if np.any((np.asarray(self.sigma_0) > 0) & (np.asarray(self.f_c) == 0)):
+            raise ValueError(
+                "LuGre.f_c is 0 where sigma_0 is above 0; give f_c > 0, or sigma_0 = 0 for no dry friction"
+            )
+
+    def steady(self, v: Value) -> Array:
+        """Friction torque tau_f at constant velocity v [ju/s], in N | N m; it opposes v."""
+        g = self.f_c + (self.f_s - self.f_c) * np.exp(-np.square(v / self.v_s))
+        return np.asarray(-(np.sign(v) * g * (np.asarray(self.sigma_0) > 0) + self.sigma_2 * np.asarray(v)))
+
+    def passivity_margin(self) -> Array:
+        """sigma_2 - sigma_1 (f_s - f_c) / f_c: above 0, a sufficient condition for the passivity of v -> -tau_f."""
+        return np.asarray(self.sigma_2 - self.sigma_1 * (np.asarray(self.f_s) - self.f_c) / self.f_c)
+
+
+FRICTIONLESS = LuGre(sigma_0=0.0, sigma_1=0.0, sigma_2=0.0, f_c=0.0, f_s=0.0, v_s=1.0)
+"""No friction at all: what the reference competitor `ideal` runs on."""
+
+
+@dataclass(frozen=True, eq=False)
+class FlexibleJoint:
+    """Motor and spring of a joint: tau_j = stiffness (theta - q) + damping (theta' - q').
+
+    Attributes:
+        stiffness: K_j [N/m | N m/rad], above 0.
+        damping: D_j [N s/m | N m s/rad], at least 0.
+        motor_inertia: B, reflected to the link side [kg | kg m^2], above 0.
+        torque_limit: bound of the action [N | N m], above 0.
+    """
+
+    stiffness: Value
+    damping: Value
+    motor_inertia: Value
+    torque_limit: Value
+
+    def __post_init__(self) -> None:
+        _check(self, positive=("stiffness", "motor_inertia", "torque_limit"), not_negative=("damping",))
+
+
+@dataclass(frozen=True, eq=False)
+class PDGains:
+    """Motor PD in joint space.
+
+    Attributes:
+        kp: [N/m | N m/rad], above 0.
+        kd: [N s/m | N m s/rad], at least 0.
+    """
+
+    kp: Value
+    kd: Value
+
+    def __post_init__(self) -> None:
+        _check(self, positive=("kp",), not_negative=("kd",))
+
+
+@dataclass(frozen=True)
+class ImpedanceGains:
+    """Impedance in task space: tool position, tool orientation, elbow (the third joint's angle).
+
+    Attributes:
+        kp_position, kd_position: [N/m], [N s/m].
+        kp_orientation, kd_orientation: [N m/rad], [N m s/rad].
+        kp_elbow, kd_elbow: [N m/rad], [N m s/rad].
+    """
+
+    kp_position: float
+    kd_position: float
+    kp_orientation: float
+    kd_orientation: float
+    kp_elbow: float
+    kd_elbow: float
+
+    def __post_init__(self) -> None:
+        _check(
+            self,
+            positive=("kp_position", "kp_orientation", "kp_elbow"),
+            not_negative=("kd_position", "kd_orientation", "kd_elbow"),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class JointInfo:
+    """What a compensator may know of the joints. Arrays broadcast against (num_envs, dof).
+
+    Attributes:
+        dof: number of joints.
+        motor_inertia: B [kg | kg m^2].
+        stiffness: K_j [N/m | N m/rad].
+        torque_limit: bound of the action [N | N m].
+        control_dt: time between two estimates [s].
+    """
+
+    dof: int
+    motor_inertia: Array
+    stiffness: Array
+    torque_limit: Array
+    control_dt: float

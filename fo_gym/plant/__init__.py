@@ -1,0 +1,6 @@
+"""The plant: MuJoCo's rigid body, and our own step for motors, springs and friction."""
+
+from fo_gym.plant.plant import FlexibleJointPlant, PlantState
+from fo_gym.plant.robot import Robot
+
+__all__ = ["FlexibleJointPlant", "PlantState", "Robot"]

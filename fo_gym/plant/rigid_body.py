@@ -1,0 +1,138 @@
+"""The link side, batched: inertia, bias, gravity and tool kinematics from MuJoCo."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import mujoco
+import numpy as np
+from mujoco.batch import Batch
+from numpy.typing import NDArray
+
+from fo_gym.plant.robot import Robot, load_model
+
+Array = NDArray[np.float64]
+Ids = NDArray[np.intp] | None
+
+_VELOCITY_STAGE = int(mujoco.mjtStage.mjSTAGE_VEL)
+
+__all__ = ["RigidBody", "ToolPose"]
+
+
+class ToolPose(NamedTuple):
+    """Tool frame in the world.
+
+    Attributes:
+        position: (n, 3), m.
+        rotation: (n, 3, 3), columns are the tool's axes.
+        jacobian: (n, 6, dof), rows are linear, then angular velocity, per joint velocity.
+    """
+
+    position: Array
+    rotation: Array
+    jacobian: Array
+
+
+class RigidBody:
+    """`num_envs` copies of a robot's link side, each with its own masses.
+
+    It holds no motion state: every query names the configuration it asks about. `ids` picks environments
+    (None = all); arrays then have one row for each of them.
+
+    Attributes:
+        robot: what was loaded.
+        model: the compiled MuJoCo model.
+    """
+
+    def __init__(self, robot: Robot, num_envs: int) -> None:
+        self.robot = robot
+        self.num_envs = num_envs
+        self.model = load_model(robot)
+        self._mass_scale = np.ones(num_envs)
+        self._make_batch()
+
+    def _make_batch(self) -> None:
+        self._batch = Batch(self.model, self.num_envs, nthread=1)
+        self._qpos = self._batch.bind("qpos")
+        self._qvel = self._batch.bind("qvel")
+        self._inertia = self._batch.bind("M")
+        self._bias = self._batch.bind("qfrc_bias")
+        self._passive = self._batch.bind("qfrc_passive")
+        if self.robot.tool is not None:
+            site = self.model.site(self.robot.tool)
+            self._tool_body = int(site.bodyid[0])
+            self._tool_position = self._batch.bind("site_xpos")[:, site.id]
+            self._tool_rotation = self._batch.bind("site_xmat")[:, site.id].reshape(-1, 3, 3)
+        self._mass = self._batch.expand("body_mass")
+        self._body_inertia = self._batch.expand("body_inertia")
+        self.scale_mass(self._mass_scale)
+
+    def __getstate__(self) -> dict[str, Any]:
+        # A Batch owns threads and cannot be pickled; it is rebuilt from what defines it.
+        return {"robot": self.robot, "num_envs": self.num_envs, "model": self.model, "_mass_scale": self._mass_scale}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._make_batch()
+
+    @property
+    def layout(self) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]:
+        """(row_nonzeros, row_start, columns) of the sparse lower triangle in which `dynamics` gives M."""
+        return self.model.M_rownnz, self.model.M_rowadr, self.model.M_colind
+
+    def scale_mass(self, scale: Array, ids: Ids = None) -> None:
+        """Multiply all masses and inertias of the file by `scale`, (n,), for the named environments."""
+        rows = slice(None) if ids is None else ids
+        self._mass_scale[rows] = scale
+        self._mass[rows] = self.model.body_mass * self._mass_scale[rows, None]
+        self._body_inertia[rows] = self.model.body_inertia * self._mass_scale[rows, None, None]
+        self._batch.set_const(ids)
+
+    def _forward(self, q: Array, q_dot: Array | float, ids: Ids) -> Any:
+        rows = slice(None) if ids is None else ids
+        self._qpos[rows] = q
+        self._qvel[rows] = q_dot
+        self._batch.forward(ids, _VELOCITY_STAGE)
+        return rows
+
+    def dynamics(self, q: Array, q_dot: Array, ids: Ids = None) -> tuple[Array, Array]:
+        """Inertia and bias at (q, q_dot), (n, dof) each.
+
+        Returns:
+            M as a sparse lower triangle, (n, nonzeros), laid out as in `layout`; C q_dot + g less the file's own
+            joint springs and dampers, (n, dof), N or N m.
+        """
+        rows = self._forward(q, q_dot, ids)
+        return self._inertia[rows], self._bias[rows] - self._passive[rows]
+
+    def dense_inertia(self, q: Array, ids: Ids = None) -> Array:
+        """M(q) as full matrices, (n, dof, dof)."""
+        sparse, _ = self.dynamics(q, np.zeros_like(q), ids)
+        row_nonzeros, row_start, columns = self.layout
+        dense = np.zeros((len(sparse), self.robot.dof, self.robot.dof))
+        for row, (count, start) in enumerate(zip(row_nonzeros, row_start, strict=True)):
+            column = columns[start : start + count]
+            dense[:, row, column] = dense[:, column, row] = sparse[:, start : start + count]
+        return dense
+
+    def gravity(self, q: Array, ids: Ids = None) -> Array:
+        """Gravity torque g(q), (n, dof), N or N m: what holds the links still is +g."""
+        rows = self._forward(q, 0.0, ids)
+        return np.array(self._bias[rows])
+
+    def tool_position(self, q: Array) -> Array:
+        """Tool position in the world at q (num_envs, dof): (num_envs, 3), m."""
+        self._forward(q, 0.0, None)
+        return self._tool_position.copy()
+
+    def tool_pose(self, q: Array, ids: Ids = None) -> tuple[ToolPose, Array]:
+        """Tool frame and Jacobian, and the gravity torque that comes with them, at q (n, dof).
+
+        Returns:
+            The pose; g(q), (n, dof).
+        """
+        gravity = self.gravity(q, ids)
+        rows = slice(None) if ids is None else ids
+        position = self._tool_position[rows].copy()
+        linear, angular = self._batch.jac(self._tool_body, position, ids)
+        return ToolPose(position, self._tool_rotation[rows].copy(), np.concatenate([linear, angular], axis=1)), gravity

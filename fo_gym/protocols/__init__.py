@@ -1,0 +1,1 @@
+"""Protocols: what a leaderboard runs, as TOML files."""

@@ -1,0 +1,60 @@
+"""What a joint measures and computes: the observation, and its named views."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+SIGNALS = ("theta", "theta_dot", "tau_j", "theta_n", "theta_n_dot", "theta_d", "tau_c")
+"""Order of the observation's blocks, each of length dof; the task's reference follows."""
+
+TIERS = ("joint",)
+"""Sensor equipment: "joint" = motor encoder and joint torque sensor."""
+
+__all__ = ["SIGNALS", "TIERS", "Signals"]
+
+
+@dataclass(frozen=True, eq=False)
+class Signals:
+    """Named views of an observation, sampled at the coming tick. Arrays are (..., dof).
+
+    Attributes:
+        theta, theta_dot: measured motor position [ju] and velocity [ju/s].
+        tau_j: measured joint torque, K_j (theta - q) [N | N m].
+        theta_n, theta_n_dot: nominal motor, B theta_n'' + tau_j = tau_c [ju, ju/s].
+        theta_d: desired motor position [ju].
+        tau_c: control torque that the coming step applies [N | N m].
+        reference: the task's own reference, (..., k): the desired tool position [m] on the square, else k = 0.
+        available: names of the signals that the sensors provide; the others are zero.
+    """
+
+    theta: Array
+    theta_dot: Array
+    tau_j: Array
+    theta_n: Array
+    theta_n_dot: Array
+    theta_d: Array
+    tau_c: Array
+    reference: Array
+    available: frozenset[str] = field(default=frozenset(SIGNALS))
+
+    @classmethod
+    def from_observation(cls, obs: Array, dof: int) -> Signals:
+        """Views into an observation (..., 7 dof + k), without copies; leading axes are kept.
+
+        Raises:
+            ValueError: the observation is too short for `dof` joints.
+        """
+        if obs.shape[-1] < len(SIGNALS) * dof:
+            raise ValueError(
+                f"observation has {obs.shape[-1]} values; {dof} joint(s) need at least {len(SIGNALS) * dof}"
+            )
+        theta, theta_dot, tau_j, theta_n, theta_n_dot, theta_d, tau_c = (
+            obs[..., start : start + dof] for start in range(0, len(SIGNALS) * dof, dof)
+        )
+        reference = obs[..., len(SIGNALS) * dof :]
+        return cls(theta, theta_dot, tau_j, theta_n, theta_n_dot, theta_d, tau_c, reference)
