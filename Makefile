@@ -6,9 +6,9 @@ VENV := .venv
 BIN := $(VENV)/bin
 export MUJOCO_GL ?= egl
 
-.PHONY: leaderboard quick test check pictures clean help
+.PHONY: leaderboard quick test check docs clean help
 
-leaderboard: $(VENV)/.run  ## score everybody, write leaderboard/ (about 5 minutes on two cores)
+leaderboard: $(VENV)/.run  ## score everybody, write leaderboard/ (a few minutes on two cores)
 	$(BIN)/fo-gym leaderboard --out leaderboard
 
 quick: $(VENV)/.run  ## the small protocol, to build/quick
@@ -22,8 +22,9 @@ check: $(VENV)/.dev  ## ruff and mypy
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-pictures: $(VENV)/.dev system  ## redraw the pictures of the README
+docs: $(VENV)/.dev system  ## redraw the picture and the table of the README
 	$(BIN)/python docs/pictures.py
+	$(BIN)/python docs/readme_table.py
 
 .PHONY: system
 system:  ## the system libraries that rendering needs

@@ -59,7 +59,7 @@ def add_closeup(axes: Axes, image: Image) -> None:
     rows, columns = np.nonzero((red - green > 90) & (red - blue > 60))
     margin = 30
     part = image[rows.min() - margin : rows.max() + margin, columns.min() - margin : columns.max() + margin]
-    inset = axes.inset_axes((0.71, 0.015, 0.28, 0.36))
+    inset = axes.inset_axes((0.645, 0.50, 0.345, 0.48))
     inset.imshow(part)
     inset.set(xticks=[], yticks=[])
 

@@ -6,6 +6,7 @@ Importing this package registers FJRStiction-v0, FJRRegulation-v0 and FJRSquare-
 from gymnasium.envs.registration import register
 
 from fo_gym.compensators import Compensator, CompensatorError, list_compensators, make_compensator
+from fo_gym.envs.settings import Settings
 from fo_gym.evaluation.evaluate import evaluate
 from fo_gym.parameters import FRICTIONLESS, FlexibleJoint, ImpedanceGains, JointInfo, LuGre, PDGains
 from fo_gym.sensors import Signals
@@ -29,6 +30,7 @@ __all__ = [
     "JointInfo",
     "LuGre",
     "PDGains",
+    "Settings",
     "Signals",
     "evaluate",
     "list_compensators",

@@ -15,11 +15,12 @@ from rich.table import Table
 import fo_gym
 from fo_gym.compensators import BUILT_IN
 from fo_gym.evaluation.evaluate import FAILED
+from fo_gym.evaluation.leaderboard import leaderboard
 from fo_gym.evaluation.metrics import METRICS
 from fo_gym.evaluation.protocol import Protocol, load_protocol, shipped_protocols
 from fo_gym.evaluation.report import write_results
 from fo_gym.evaluation.run import Results, run_protocol
-from fo_gym.evaluation.tables import rankings
+from fo_gym.evaluation.tables import rankings, summary
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -65,7 +66,10 @@ def _run(protocol: Protocol, jobs: int) -> Results:
 
 
 def _print_rankings(results: Results) -> None:
-    for ranking in rankings(results.episodes):
+    tables = list(rankings(results.episodes))
+    if len(tables) > 1:
+        tables.append(summary(leaderboard(results.episodes)))
+    for ranking in tables:
         view = Table(title=ranking.title)
         for heading in ranking.headings:
             view.add_column(escape(heading), justify="left" if heading in ("compensator", "verdict") else "right")

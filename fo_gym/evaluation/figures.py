@@ -10,12 +10,13 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from fo_gym.compensators import BUILT_IN
 from fo_gym.evaluation.leaderboard import SET, leaderboard
 from fo_gym.evaluation.run import Results, Trace
 
-_MM = 1e3
+_MILLI = 1e3
 _JOINT = 1
 _STYLE: dict[str, dict[str, Any]] = {
     "ideal": {"color": "0.6", "linestyle": "--"},
@@ -41,41 +42,43 @@ def ranking_figure(episodes: pd.DataFrame) -> Figure:
         axis.errorbar(frr, place, xerr=spread, fmt="o", color="tab:blue", capsize=3)
         axis.set_yticks(place, worst_first["compensator"])
         axis.set_title(f"{key[0]}, {key[1]}", fontsize="medium")
+        axis.xaxis.set_major_locator(MaxNLocator(4))
         axis.grid(axis="x", alpha=0.3)
         axis.set_xlabel("friction rejection ratio")
     return figure
 
 
-def _draw_error(axis: Axes, trace: Trace, joint: int) -> None:
-    style = _STYLE.get(trace.compensator, {})
-    axis.plot(trace.time, _MM * trace.error[:, joint], label=trace.compensator, linewidth=1.1, **style)
-
-
 def trace_figure(traces: list[Trace]) -> Figure:
-    """The nominal episodes of one environment: the tool's path, or a joint's error whole and magnified."""
+    """The nominal episodes of one environment: the tool's path, or a joint's motion."""
     figure = Figure(figsize=(9.0, 3.6), layout="constrained")
     left, right = figure.subplots(1, 2)
-    if traces[0].tool is not None:
-        _draw_paths(left, right, traces)
+    if traces[0].tool is None:
+        _draw_joint(left, right, traces)
     else:
-        joint = min(_JOINT, traces[0].error.shape[1] - 1)
-        unit = "mm" if traces[0].error.shape[1] == 1 else "mrad"
-        for trace in traces:
-            _draw_error(left, trace, joint)
-            if trace.compensator != "none":
-                _draw_error(right, trace, joint)
-        for axis in (left, right):
-            axis.set_xlabel("time [s]")
-            axis.set_ylabel(f"theta - theta_d, joint {joint + 1} [{unit}]")
-        settled = [_MM * trace.error[len(trace.time) // 2 :, joint] for trace in traces if trace.compensator != "none"]
-        reach = 1.2 * max(float(np.abs(part).max()) for part in settled)
-        right.set_ylim(-reach, reach)
-        right.set_title("magnified", fontsize="medium")
+        _draw_paths(left, right, traces)
     left.set_title(f"{traces[0].env}, nominal", fontsize="medium")
     for axis in (left, right):
         axis.grid(alpha=0.3)
     figure.legend(*left.get_legend_handles_labels(), loc="outside right center", fontsize="small")
     return figure
+
+
+def _draw_joint(left: Axes, right: Axes, traces: list[Trace]) -> None:
+    """Left: a joint's distance from its target; right: from where it would be without friction, magnified."""
+    joint = min(_JOINT, traces[0].error.shape[1] - 1)
+    ideal = next(trace for trace in traces if trace.compensator == "ideal")
+    reach = 0.0
+    for trace in traces:
+        style = _STYLE.get(trace.compensator, {})
+        left.plot(trace.time, _MILLI * trace.error[:, joint], label=trace.compensator, linewidth=1.1, **style)
+        if trace.compensator not in BUILT_IN:
+            lost = _MILLI * (trace.error - ideal.error)[:, joint]
+            right.plot(trace.time, lost, linewidth=1.1, color=left.lines[-1].get_color())
+            reach = max(reach, 1.3 * float(np.abs(lost[len(lost) // 2 :]).max()))
+    right.set_ylim(-reach, reach)
+    for axis, origin in ((left, "theta_d"), (right, "theta_ideal")):
+        axis.set_xlabel("time [s]")
+        axis.set_ylabel(f"theta - {origin}, joint {joint + 1} [m{traces[0].joint_unit}]")
 
 
 def _draw_paths(left: Axes, right: Axes, traces: list[Trace]) -> None:
@@ -84,10 +87,10 @@ def _draw_paths(left: Axes, right: Axes, traces: list[Trace]) -> None:
         assert trace.tool is not None
         assert trace.tool_d is not None
         style = _STYLE.get(trace.compensator, {})
-        left.plot(*(_MM * trace.tool[:, 1:].T), label=trace.compensator, linewidth=1.1, **style)
+        left.plot(*(_MILLI * trace.tool[:, 1:].T), label=trace.compensator, linewidth=1.1, **style)
         distance = np.linalg.norm(trace.tool - trace.tool_d, axis=1)
-        right.plot(trace.time, _MM * distance, linewidth=1.1, **style)
-    left.plot(*(_MM * traces[0].tool_d[:, 1:].T), color="k", linewidth=0.6, label="reference")  # type: ignore[index]
+        right.plot(trace.time, _MILLI * distance, linewidth=1.1, **style)
+    left.plot(*(_MILLI * traces[0].tool_d[:, 1:].T), color="k", linewidth=0.6, label="reference")  # type: ignore[index]
     left.set_aspect("equal")
     left.set_xlabel("y [mm]")
     left.set_ylabel("z [mm]")

@@ -11,7 +11,7 @@ from fo_gym.evaluation.figures import figures
 from fo_gym.evaluation.leaderboard import leaderboard
 from fo_gym.evaluation.protocol import Protocol
 from fo_gym.evaluation.run import Results
-from fo_gym.evaluation.tables import markdown, rankings
+from fo_gym.evaluation.tables import markdown, rankings, summary
 
 __all__ = ["markdown_page", "write_results"]
 
@@ -44,7 +44,7 @@ def markdown_page(protocol: Protocol, episodes: pd.DataFrame, pictures: list[Pat
         'comparison with the best, seed by seed; "tied" where its interval holds zero.\n',
         f"Protocol `{protocol.stamp}`; {versions}.\n",
     ]
-    for ranking in rankings(episodes):
+    for ranking in (summary(leaderboard(episodes)), *rankings(episodes)):
         parts += [f"## {ranking.title}\n", markdown(ranking)]
     parts += [f"![{path.stem}](figures/{path.name})\n" for path in pictures]
     return "\n".join(parts)

@@ -31,6 +31,7 @@ class Trace:
     Attributes:
         env: environment id.
         compensator: name.
+        joint_unit: "m" or "rad".
         time: (n,), s.
         error: theta - theta_d, (n, dof), m or rad.
         tool, tool_d: tool and its reference, (n, 3), m, or None.
@@ -38,6 +39,7 @@ class Trace:
 
     env: str
     compensator: str
+    joint_unit: str
     time: Array
     error: Array
     tool: Array | None
@@ -89,6 +91,7 @@ def _trace(episodes: EpisodeSet, name: str, recording: Recording) -> Trace | Non
     return Trace(
         env=episodes.env_id,
         compensator=name,
+        joint_unit=recording.task.joint_unit,
         time=(np.arange(len(ticks["theta"]), dtype=np.float64) * recording.dt)[keep],
         error=(ticks["theta"] - ticks["theta_d"])[keep],
         tool=ticks["tool"][keep] if "tool" in ticks else None,

@@ -20,7 +20,7 @@ _SHOWN = (
     ("estimate_lag_ms", "lag [ms]", 1.0),
 )
 
-__all__ = ["Ranking", "markdown", "rankings"]
+__all__ = ["Ranking", "markdown", "rankings", "summary"]
 
 
 class Ranking(NamedTuple):
@@ -71,6 +71,24 @@ def rankings(episodes: pd.DataFrame) -> Iterator[Ranking]:
         ]
         cells = [_cells(row, shown) for _, row in ordered.iterrows()]
         yield Ranking(f"{key[0]}, {key[1]}", headings, cells)
+
+
+def summary(table: pd.DataFrame) -> Ranking:
+    """FRR of every competitor in every environment and variant, best on average first.
+
+    Args:
+        table: rows as `leaderboard` gives them.
+    """
+    competitors = table[~table["compensator"].isin(BUILT_IN)]
+    frr = competitors.pivot(index="compensator", columns=SET, values="frr")
+    sets = list(table[SET].drop_duplicates().itertuples(index=False, name=None))
+    frr = frr.loc[frr.mean(axis=1).sort_values(ascending=False, kind="stable").index, sets]
+    headings = ["compensator", *(f"{env}, {variant}" for env, variant in sets)]
+    cells = [
+        [str(name), *(_number(value, ".3f") for value in values)]
+        for name, values in zip(frr.index, frr.to_numpy(), strict=True)
+    ]
+    return Ranking("Friction rejection ratio", headings, cells)
 
 
 def markdown(ranking: Ranking) -> str:

@@ -1,0 +1,46 @@
+"""Train an agent with Stable-Baselines3 on one environment: `python examples/train_sb3.py --steps 20000`.
+
+It needs the extra "rl": pip install 'fo-gym[rl]'. The agent acts at 100 Hz (`decimation`), and sees and acts on scaled
+numbers: the environment itself is in physical units.
+"""
+
+import argparse
+
+import gymnasium as gym
+import numpy as np
+from stable_baselines3 import PPO
+from stable_baselines3.common.evaluation import evaluate_policy
+from stable_baselines3.common.monitor import Monitor
+
+import fo_gym
+from fo_gym.evaluation.seeds import TRAINING_SEEDS, VALIDATION_SEEDS
+
+
+def make_env(seed: int, level: float = 3.0) -> gym.Env:
+    """The stiction task, seeded, with actions in [-1, 1] meaning +-`level` N, and observations in units of about 1."""
+    joint = fo_gym.FlexibleJoint(stiffness=3000.0, damping=0.0, motor_inertia=1.0, torque_limit=level)
+    env: gym.Env = gym.make("FJRStiction-v0", variant="randomized", decimation=10, duration=5.0, joints=joint)
+    scale = np.array([100.0, 100.0, 1.0, 100.0, 100.0, 100.0, 1.0])
+    space = gym.spaces.Box(-np.inf, np.inf, scale.shape, np.float64)
+    env = gym.wrappers.TransformObservation(env, lambda observation: scale * observation, space)
+    env = Monitor(gym.wrappers.RescaleAction(env, np.float64(-1.0), np.float64(1.0)))
+    env.reset(seed=seed)
+    return env
+
+
+def main() -> None:
+    """Train, and show the mean return of a few episodes before and after."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--steps", type=int, default=20_000, help="environment steps to train for")
+    parser.add_argument("--seed", type=int, default=TRAINING_SEEDS[0], help="a training seed")
+    arguments = parser.parse_args()
+    env = make_env(arguments.seed)
+    model = PPO("MlpPolicy", env, seed=arguments.seed, n_steps=500, batch_size=100)
+    before, _ = evaluate_policy(model, make_env(VALIDATION_SEEDS[0]), n_eval_episodes=3)
+    model.learn(arguments.steps)
+    after, _ = evaluate_policy(model, make_env(VALIDATION_SEEDS[0]), n_eval_episodes=3)
+    print(f"mean return of an episode: {before:.1f} before, {after:.1f} after {arguments.steps} steps")
+
+
+if __name__ == "__main__":
+    main()
