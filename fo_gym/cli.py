@@ -36,7 +36,7 @@ class _Stop(typer.Exit):
     """End with a message and exit code 2."""
 
     def __init__(self, message: str) -> None:
-        errors.print(f"[bold red]error:[/] {message}", highlight=False, soft_wrap=True)
+        errors.print(f"[bold red]error:[/] {escape(message)}", highlight=False, soft_wrap=True)
         super().__init__(code=2)
 
 
@@ -45,7 +45,7 @@ def _run(protocol: Protocol, jobs: int) -> Results:
     names = [name for name in protocol.compensators if name not in BUILT_IN]
     total = len(protocol.environments) * len(protocol.variants) * (1 + len(names))
     columns = (
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
         MofNCompleteColumn(),
         TimeElapsedColumn(),
@@ -58,7 +58,7 @@ def _run(protocol: Protocol, jobs: int) -> Results:
         def on_run(label: str) -> None:
             progress.update(task, advance=1, description=label)
             if not errors.is_terminal:
-                errors.print(label, highlight=False)
+                errors.print(label, highlight=False, markup=False)
 
         results = run_protocol(protocol, jobs=jobs, on_run=on_run)
         progress.update(task, description="done")
@@ -72,7 +72,8 @@ def _print_rankings(results: Results) -> None:
     for ranking in tables:
         view = Table(title=ranking.title)
         for heading in ranking.headings:
-            view.add_column(escape(heading), justify="left" if heading in ("compensator", "verdict") else "right")
+            words = heading in ("compensator", "verdict")
+            view.add_column(escape(heading), justify="left" if words else "right", overflow="fold")
         for row in ranking.cells:
             view.add_row(*map(escape, row))
         console.print(view)
@@ -80,7 +81,7 @@ def _print_rankings(results: Results) -> None:
 
 def _write(protocol: Protocol, results: Results, out: Path) -> None:
     for path in write_results(protocol, results, out):
-        console.print(f"wrote {path}", highlight=False, soft_wrap=True)
+        console.print(f"wrote {path}", highlight=False, markup=False, soft_wrap=True)
 
 
 @app.command("list")
@@ -94,7 +95,8 @@ def list_everything() -> None:
     for name in fo_gym.list_compensators():
         console.print(f"compensator  {name}", highlight=False)
     for name, metric in METRICS.items():
-        console.print(f"metric       {name} ({metric.better} is better): {metric.description}", highlight=False)
+        text = f"metric       {name} ({metric.better} is better): {metric.description}"
+        console.print(text, highlight=False, markup=False, soft_wrap=True)
     for name, path in shipped_protocols().items():
         console.print(f"protocol     {name}: {path}", highlight=False, soft_wrap=True)
 
@@ -107,7 +109,9 @@ def evaluate(
     env: Annotated[str, typer.Option(help="Environment id; see `fo-gym list`.")] = "FJRStiction-v0",
     variant: Annotated[str, typer.Option(help="nominal (one episode) or randomized.")] = "nominal",
     seeds: Annotated[int, typer.Option(min=1, help="Episodes, from the validation seeds.")] = 20,
-    out: Annotated[Path | None, typer.Option(help="Folder for the CSV files, page and figures.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(file_okay=False, help="Folder for the CSV files, page and figures.")
+    ] = None,
     jobs: Annotated[int, typer.Option(help="Worker processes; -1 = one per core.")] = -1,
 ) -> None:
     """Score compensators beside none, ideal and the paper's observers, on validation seeds.
@@ -143,7 +147,7 @@ def _fail_if_failed(results: Results, compensators: list[str]) -> None:
 def run_leaderboard(
     protocol: Annotated[str | None, typer.Option(help="TOML file, or the name of a shipped protocol.")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="The small protocol: two seeds.")] = False,
-    out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("leaderboard"),
+    out: Annotated[Path, typer.Option(file_okay=False, help="Folder for the results.")] = Path("leaderboard"),
     jobs: Annotated[int, typer.Option(help="Worker processes; -1 = one per core.")] = -1,
 ) -> None:
     """Score every competitor on the same episodes and write leaderboard.csv, episodes.csv, a page and figures.

@@ -151,7 +151,7 @@ class Simulation:
             reward (num_envs,); terminated; truncated; why the terminated ones ended, by environment.
         """
         limit = self.joints.torque_limit
-        action = np.clip(action, -limit, limit)
+        action = np.minimum(np.maximum(action, -limit), limit)
         previous = self.tau_m
         reasons: dict[int, str] = {}
         for _ in range(self.settings.decimation):
@@ -163,7 +163,7 @@ class Simulation:
             self.ticks += 1
             self._find_ends(before, reasons)
             self._measure()
-        roughness = (np.abs(self.tau_m - previous) / limit).mean(axis=1)
+        roughness = np.add.reduce(np.abs(self.tau_m - previous) / limit, axis=1) / self.dof
         closeness = 1.0 / (1.0 + self.control.distance(self.plant) / self.task.accuracy)
         terminated = np.zeros(self.num_envs, dtype=bool)
         terminated[list(reasons)] = True

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, ClassVar
 
+import gymnasium as gym
 import numpy as np
 from gymnasium.spaces import Box
 from gymnasium.utils import seeding
@@ -60,7 +61,9 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         self.action_space = batch_space(self.single_action_space, num_envs)
         self._generators: list[np.random.Generator] = []
         self._ended = np.zeros(num_envs, dtype=bool)
+        # Every environment has every entry of info: one mask serves all, and nobody may write into it.
         self._everyone = np.ones(num_envs, dtype=bool)
+        self._everyone.flags.writeable = False
 
     @property
     def joint_info(self) -> JointInfo:
@@ -84,7 +87,7 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         info: dict[str, Any] = {}
         for name, value in self.simulation.truth().items():
             info[name] = value
-            info[f"_{name}"] = self._everyone.copy()
+            info[f"_{name}"] = self._everyone
         return info
 
     def reset(
@@ -125,17 +128,22 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
             info["termination"] = np.full(self.num_envs, None, dtype=object)
             info["termination"][list(reasons)] = list(reasons.values())
             info["_termination"] = terminated.copy()
-        if self._renderer is not None:
-            self._renderer.watch(self.simulation)
+        if self.render_mode is not None:
+            self._renderer_now().watch(self.simulation)
         return self.simulation.observation(), reward, terminated, truncated, info
 
     def render(self) -> tuple[Any, ...] | None:
         """One image (height, width, 3) of uint8 per environment."""
         if self.render_mode is None:
+            gym.logger.warn("render() draws nothing: make the environment with render_mode='rgb_array'")
             return None
+        renderer = self._renderer_now()
+        return tuple(renderer.frame(self.simulation, i) for i in range(self.num_envs))
+
+    def _renderer_now(self) -> SceneRenderer:
         if self._renderer is None:
             self._renderer = SceneRenderer(self.simulation, self.render_mode)
-        return tuple(self._renderer.frame(self.simulation, i) for i in range(self.num_envs))
+        return self._renderer
 
     def close_extras(self, **kwargs: Any) -> None:
         """Release the renderer."""

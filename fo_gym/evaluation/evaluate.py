@@ -11,7 +11,7 @@ import pandas as pd
 from fo_gym.compensators import Compensator, Ideal, NoCompensation, checked, make_compensator
 from fo_gym.evaluation.metrics import METRICS, score
 from fo_gym.evaluation.provenance import provenance
-from fo_gym.evaluation.recording import Progress, Recording, References, record
+from fo_gym.evaluation.recording import Recording, References, record
 from fo_gym.evaluation.seeds import VALIDATION_SEEDS, first
 
 OK, TERMINATED, FAILED = "ok", "terminated", "failed"
@@ -35,9 +35,9 @@ class EpisodeSet:
     seeds: tuple[int, ...]
     env_kwargs: Mapping[str, Any]
 
-    def record(self, compensator: Compensator, name: str, progress: Progress | None = None) -> Recording:
+    def record(self, compensator: Compensator, name: str) -> Recording:
         """Run `compensator` on these episodes."""
-        return record(compensator, name, self.env_id, self.variant, self.seeds, self.env_kwargs, progress)
+        return record(compensator, name, self.env_id, self.variant, self.seeds, self.env_kwargs)
 
 
 def named_compensator(compensator: str | type | Compensator) -> tuple[str, Compensator]:

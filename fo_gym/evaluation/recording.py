@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,12 +21,10 @@ from fo_gym.tasks.scenario import Push
 from fo_gym.tasks.task import Task
 
 Array = NDArray[np.float64]
-Progress = Callable[[int], None]
 
 _TICK_SIGNALS = ("theta_n", "theta_n_dot", "theta_d", "reference")
 _TICK_TRUTH = ("theta", "theta_dot", "q", "q_dot")
 _PERIOD_TRUTH = ("tau_m", "tau_f", "tau_ext")
-_PROGRESS_EVERY = 500
 
 __all__ = ["Motions", "Recording", "References", "record"]
 
@@ -123,23 +121,23 @@ class Recording:
         )
 
 
-def _estimate(compensator: Compensator, name: str, obs: Array, dof: int, alive: NDArray[np.bool_], tick: int) -> Array:
-    """The compensator's answer to an observation, checked where it counts: in the episodes that still run."""
+def _estimate(compensator: Compensator, name: str, signals: Signals, alive: NDArray[np.bool_], tick: int) -> Array:
+    """The compensator's answer, checked where it counts: in the episodes that still run."""
     try:
-        answer = np.asarray(compensator.estimate(Signals.from_observation(obs, dof)), dtype=np.float64)
+        answer = np.asarray(compensator.estimate(signals), dtype=np.float64)
     except Exception as error:
         raise CompensatorError(f"{name}: estimate raised {type(error).__name__} at tick {tick}: {error}") from error
-    if answer.shape != (len(obs), dof):
+    if answer.shape != signals.theta.shape:
         raise CompensatorError(
-            f"{name}: estimate returned shape {answer.shape} at tick {tick}; (num_envs, dof) is {len(obs), dof}"
+            f"{name}: estimate returned shape {answer.shape} at tick {tick}; (num_envs, dof) is {signals.theta.shape}"
         )
-    bad = alive & ~np.isfinite(answer).all(axis=1)
-    if bad.any():
-        i = int(np.flatnonzero(bad)[0])
+    bad = ~np.isfinite(answer).all(axis=1)
+    if (bad & alive).any():
+        i = int(np.flatnonzero(bad & alive)[0])
         raise CompensatorError(
             f"{name}: estimate returned {answer[i]} at tick {tick} in episode {i}; it must be finite"
         )
-    return np.where(alive[:, None], answer, 0.0)
+    return answer if alive.all() else np.where(alive[:, None], answer, 0.0)
 
 
 def _reset(compensator: Compensator, name: str, env: JointVectorEnv) -> None:
@@ -156,7 +154,6 @@ def record(
     variant: str,
     seeds: Sequence[int],
     env_kwargs: Mapping[str, Any],
-    progress: Progress | None = None,
 ) -> Recording:
     """Run `compensator` on one batch, an episode per seed, each to its end.
 
@@ -167,20 +164,19 @@ def record(
         variant: variant of it.
         seeds: one per episode.
         env_kwargs: further arguments of the environment.
-        progress: called now and then with the number of ticks done since the last call.
 
     Raises:
         CompensatorError: it raised, or returned what is not a finite (num_envs, dof) array.
     """
     kwargs = {**env_kwargs, "feedback": compensator.feedback}
-    if isinstance(compensator, Ideal):
+    if type(compensator) is Ideal:
         kwargs["friction"] = FRICTIONLESS
     env = gym.make_vec(env_id, num_envs=len(seeds), variant=variant, **kwargs).unwrapped
     if not isinstance(env, JointVectorEnv):
         raise ValueError(f"{env_id} is not an environment of this suite")
     obs, info = env.reset(seed=list(seeds))
     _reset(compensator, name, env)
-    return _Recorder(env, obs, info).run(compensator, name, progress)
+    return _Recorder(env, obs, info).run(compensator, name)
 
 
 class _Recorder:
@@ -191,8 +187,8 @@ class _Recorder:
         self.simulation = env.simulation
         self.dof = self.simulation.dof
         self.steps = self.simulation.last_tick // self.simulation.settings.decimation
-        signals = Signals.from_observation(obs, self.dof)
-        sizes = {name: getattr(signals, name).shape[-1] for name in _TICK_SIGNALS}
+        self.signals = Signals.from_observation(obs, self.dof)
+        sizes = {name: getattr(self.signals, name).shape[-1] for name in _TICK_SIGNALS}
         sizes |= dict.fromkeys(_TICK_TRUTH, self.dof)
         self.ticks = {name: np.empty((self.steps + 1, env.num_envs, size)) for name, size in sizes.items()}
         shape = (self.steps, env.num_envs, self.dof)
@@ -202,23 +198,24 @@ class _Recorder:
         self.ended = np.full(env.num_envs, self.steps)
         self.terminations = [""] * env.num_envs
         self.seconds = np.empty(self.steps)
-        self.obs = obs
         self._keep_tick(0, info)
 
     def _keep_tick(self, tick: int, info: Mapping[str, Any]) -> None:
-        signals = Signals.from_observation(self.obs, self.dof)
-        for name, array in self.ticks.items():
-            array[tick] = info[name] if name in _TICK_TRUTH else getattr(signals, name)
+        for name in _TICK_TRUTH:
+            self.ticks[name][tick] = info[name]
+        for name in _TICK_SIGNALS:
+            self.ticks[name][tick] = getattr(self.signals, name)
 
-    def run(self, compensator: Compensator, name: str, progress: Progress | None) -> Recording:
+    def run(self, compensator: Compensator, name: str) -> Recording:
         """All episodes, tick by tick."""
         limit = np.asarray(self.simulation.joints.torque_limit)
         for step in range(self.steps):
             start = time.perf_counter()
-            estimate = _estimate(compensator, name, self.obs, self.dof, self.alive, step)
+            estimate = _estimate(compensator, name, self.signals, self.alive, step)
             self.seconds[step] = time.perf_counter() - start
-            self.obs, _, terminated, _, info = self.env.step(estimate)
-            self.periods["tau_f_hat"][step] = np.clip(estimate, -limit, limit)
+            self.periods["tau_f_hat"][step] = estimate
+            obs, _, terminated, _, info = self.env.step(estimate)
+            self.signals = Signals.from_observation(obs, self.dof)
             for part in _PERIOD_TRUTH:
                 self.periods[part][step] = info[part]
             self._keep_tick(step + 1, info)
@@ -227,8 +224,8 @@ class _Recorder:
                 if not self.alive.any():
                     self.seconds = self.seconds[: step + 1]
                     break
-            if progress is not None and (step + 1) % _PROGRESS_EVERY == 0:
-                progress(_PROGRESS_EVERY)
+        # What was applied: the environment clips to the joints' limits.
+        np.clip(self.periods["tau_f_hat"], -limit, limit, out=self.periods["tau_f_hat"])
         self._hold_ends()
         return self._recording(limit)
 

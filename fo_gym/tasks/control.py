@@ -84,7 +84,7 @@ class StepControl:
     def distance(self, plant: FlexibleJointPlant) -> Array:
         """See TaskControl."""
         error = plant.theta - self.theta_d
-        return np.sqrt((error * error).mean(axis=1))
+        return np.sqrt(np.add.reduce(error * error, axis=1) / error.shape[1])
 
 
 @lru_cache(maxsize=8)
@@ -125,7 +125,7 @@ class PathControl:
     def distance(self, plant: FlexibleJointPlant) -> Array:
         """See TaskControl."""
         error = plant.body.tool_position(plant.q) - self.reference
-        return np.sqrt((error * error).sum(axis=1))
+        return np.sqrt(np.add.reduce(error * error, axis=1))
 
 
 def make_control(task: Task, plant: FlexibleJointPlant, gains: PDGains | ImpedanceGains) -> TaskControl:
