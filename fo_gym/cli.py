@@ -42,6 +42,8 @@ class _Stop(typer.Exit):
 
 def _run(protocol: Protocol, jobs: int) -> Results:
     """Run a protocol behind a progress bar."""
+    if jobs == 0:
+        raise _Stop("--jobs is 0; give the number of worker processes, or -1 for one per core")
     names = [name for name in protocol.compensators if name not in BUILT_IN]
     total = len(protocol.environments) * len(protocol.variants) * (1 + len(names))
     columns = (
@@ -126,7 +128,7 @@ def evaluate(
             fo_gym.make_compensator(name)
         others = [name for name in load_protocol("full").compensators if name not in compensators]
         protocol = Protocol("evaluate", "validation", seeds, (env,), (variant,), (*compensators, *others))
-    except (ValueError, TypeError) as error:
+    except (ValueError, TypeError, fo_gym.CompensatorError) as error:
         raise _Stop(str(error)) from error
     results = _run(protocol, jobs)
     _print_rankings(results)

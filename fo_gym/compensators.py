@@ -139,8 +139,15 @@ def make_compensator(spec: str, **gains: Any) -> Compensator:
     Raises:
         ValueError: nothing is called so, or a gain is out of range.
         TypeError: the class does not take such a gain, or what it makes is no compensator.
+        CompensatorError: importing or making it raised something else.
     """
-    return checked(_factory(spec)(**gains), spec)
+    try:
+        candidate = _factory(spec)(**gains)
+    except (ValueError, TypeError):
+        raise
+    except Exception as error:
+        raise CompensatorError(f"compensator {spec!r}: making it raised {type(error).__name__}: {error}") from error
+    return checked(candidate, spec)
 
 
 def checked(candidate: Any, name: str) -> Compensator:

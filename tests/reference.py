@@ -182,3 +182,10 @@ def continuous(plant: SingleLink, gains: Control, times: np.ndarray, rtol: float
 
     solution = odeint(rates, np.zeros(8), times, rtol=rtol, atol=1e-3 * rtol, tfirst=True, mxstep=100_000)
     return solution[:, 2]
+
+
+def dense_inertia(arm: Arm, q: np.ndarray) -> np.ndarray:
+    """M(q) column by column: a unit torque's acceleration less none's is a column of its inverse."""
+    still = np.zeros_like(q)
+    free = arm.acceleration(q, still, still).copy()
+    return np.linalg.inv(np.array([arm.acceleration(q, still, unit) - free for unit in np.eye(len(q))]).T)

@@ -201,7 +201,7 @@ class Simulation:
         )
 
     def truth(self) -> dict[str, Array]:
-        """Privileged truth for scoring and plotting, (num_envs, dof) each, and the tool (num_envs, 3) on a path.
+        """Privileged truth for scoring and plotting, (num_envs, dof) each.
 
         theta, theta_dot, q, q_dot, z at the new tick; tau_m and tau_ext as applied; tau_f, its mean over the past
         control period.

@@ -115,6 +115,8 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         Raises:
             ValueError: the actions have the wrong shape, or are not finite.
         """
+        if not self._generators:
+            raise gym.error.ResetNeeded("step() was called before the first reset()")
         batch = checked_action(actions, (self.num_envs, self.simulation.dof))
         reward, terminated, truncated, reasons = self.simulation.step(batch)
         if self._ended.any():

@@ -87,8 +87,11 @@ def failed_rows(episodes: EpisodeSet, name: str, error: str, protocol: str = "")
 def evaluation_seeds(variant: str, seeds: int | Sequence[int]) -> tuple[int, ...]:
     """The seeds that are meant: n means the first n validation seeds; "nominal" has no randomness and runs once."""
     if not isinstance(seeds, int):
+        if not len(seeds) or not all(int(seed) == seed >= 0 for seed in seeds):
+            raise ValueError(f"seeds are {list(seeds)}; give whole numbers of at least 0, one or more of them")
         return tuple(int(seed) for seed in seeds)
-    return first(VALIDATION_SEEDS, 1 if variant == "nominal" else seeds)
+    chosen = first(VALIDATION_SEEDS, seeds)
+    return chosen[:1] if variant == "nominal" else chosen
 
 
 def evaluate(
@@ -116,6 +119,9 @@ def evaluate(
         CompensatorError: the compensator raised, or returned what is not a finite (num_envs, dof) array.
         ValueError, TypeError: an argument is not allowed.
     """
+    for fixed, why in (("feedback", "it is the compensator's"), ("action_mode", "estimates are scored")):
+        if fixed in env_kwargs:
+            raise ValueError(f"{fixed} cannot be chosen in an evaluation: {why}; leave it out")
     name, instance = named_compensator(compensator)
     episodes = EpisodeSet(env_id, variant, evaluation_seeds(variant, seeds), env_kwargs)
     ideal = episodes.record(Ideal(), "ideal")

@@ -31,7 +31,8 @@ def _status(group: pd.DataFrame) -> tuple[str, str]:
     ended = group[group["status"] == TERMINATED]
     if len(ended):
         return TERMINATED, f"{len(ended)} of {len(group)} episodes ended early, the first: {ended['error'].iloc[0]}"
-    return OK, ""
+    missing = int(group["frr"].isna().sum())
+    return OK, f"frr does not apply to {missing} of {len(group)} episodes" if missing else ""
 
 
 def leaderboard(episodes: pd.DataFrame) -> pd.DataFrame:

@@ -40,6 +40,8 @@ class Protocol:
     compensators: tuple[str, ...]
 
     def __post_init__(self) -> None:
+        if not isinstance(self.seeds, int) or isinstance(self.seeds, bool):
+            raise ValueError(f"protocol {self.name!r}: seeds is {self.seeds!r}; it must be a whole number")
         if self.split not in SPLITS:
             raise ValueError(f"protocol {self.name!r}: split is {self.split!r}; allowed are {', '.join(SPLITS)}")
         known = [env_id for env_id, spec in registry.items() if str(spec.entry_point).startswith("fo_gym.")]
@@ -54,6 +56,8 @@ class Protocol:
             ("variants", self.variants),
             ("compensators", self.compensators),
         ):
+            if not names or not all(isinstance(name, str) for name in names):
+                raise ValueError(f"protocol {self.name!r}: {what} is {list(names)}; give at least one name")
             if len(set(names)) != len(names):
                 raise ValueError(f"protocol {self.name!r}: {what} {list(names)} names one of them twice")
         first(SPLITS[self.split], self.seeds)
@@ -93,6 +97,9 @@ def load_protocol(file: str | Path) -> Protocol:
     if set(content) != expected:
         missing, unknown = sorted(expected - set(content)), sorted(set(content) - expected)
         raise ValueError(f"protocol {path}: missing keys {missing}, unknown keys {unknown}")
+    for name in ("environments", "variants", "compensators"):
+        if not isinstance(content[name], list):
+            raise ValueError(f"protocol {path}: {name} is {content[name]!r}; it must be a list")
     return Protocol(
         name=content["name"],
         split=content["split"],

@@ -163,6 +163,7 @@ def advance(state, tau_m, load, inertia, row_nonzeros, row_start, columns, param
         if not _factorise(inertia[i], row_nonzeros, row_start, columns, added, lower):
             # M is positive definite for every finite pose: the state is lost, and says so.
             state[:, i, :] = np.nan
+            tau_f[i, :] = np.nan
             continue
         for step in range(steps):
             # Two half drifts meet between micro-steps; only the first and the last are half.

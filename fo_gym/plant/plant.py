@@ -149,24 +149,38 @@ class FlexibleJointPlant:
             ValueError: the micro-step is too long for the fastest joint there.
         """
         q = np.broadcast_to(np.asarray(q, dtype=np.float64), (len(ids), self.robot.dof))
-        self._check_micro_step(ids, q)
+        self._check_steps(ids, q)
         self._state[:, ids] = 0.0
         self.q[ids] = q
         self.theta[ids] = q + self.body.gravity(q, ids) / self.stiffness[ids]
         self.tau_f[ids] = 0.0
         self._ticks[ids] = 0
 
-    def _check_micro_step(self, ids: NDArray[np.intp], q: Array) -> None:
-        """The splitting is stable for h omega < 2; half of that keeps a margin for other poses, and accuracy."""
-        inverse = np.linalg.inv(self.body.dense_inertia(q, ids))
-        links = np.diagonal(inverse, axis1=1, axis2=2)
-        omega = np.sqrt(self.stiffness[ids] * (1.0 / self.motor_inertia[ids] + links))
-        if self.physics_dt * omega.max() > 1.0:
-            joint = self.robot.joints[int(np.unravel_index(omega.argmax(), omega.shape)[1])]
+    def _check_steps(self, ids: NDArray[np.intp], q: Array) -> None:
+        """Refuse what the step cannot follow, with the numbers.
+
+        The splitting is stable for h omega < 2; half of that keeps a margin for other poses, and accuracy. The two
+        sweeps of the kick settle the springs' damping to 1e-6 where h D_j (1/B + (M^-1)_jj) is below 0.2. The file's
+        own dampers are held over a control period, so that they must be slower than it.
+        """
+        links = np.diagonal(np.linalg.inv(self.body.dense_inertia(q, ids)), axis1=1, axis2=2)
+        both = 1.0 / self.motor_inertia[ids] + links
+        damping = self._parameters[ids, :, PARAMETERS.index("damping")]
+        h, control_dt = ("physics_dt", self.physics_dt), ("control_dt", self.control_dt)
+        omega = np.sqrt(self.stiffness[ids] * both)
+        self._refuse_long(h, omega, 1.0, "its fastest mode, sqrt(K_j (1/B + (M^-1)_jj))")
+        self._refuse_long(h, damping * both, 0.2, "its spring's damping, D_j (1/B + (M^-1)_jj)")
+        self._refuse_long(control_dt, self.body.model.dof_damping * links, 1.0, "the file's own damping / M_jj")
+
+    def _refuse_long(self, period: tuple[str, float], rates: Array, limit: float, what: str) -> None:
+        """Raise ValueError where a period [s] times a rate (n, dof) [1/s] is above `limit`."""
+        name, dt = period
+        worst = np.unravel_index(rates.argmax(), rates.shape)
+        if not dt * rates[worst] <= limit:
+            joint = self.robot.joints[int(worst[1])]
             raise ValueError(
-                f"physics_dt {self.physics_dt:.3g} s is too long for joint {joint!r}, whose fastest mode has "
-                f"omega = {omega.max():.4g} rad/s; use a physics_dt of at most {1.0 / omega.max():.3g} s, "
-                "a softer spring or a larger motor inertia"
+                f"{name} {dt:.3g} s is too long for joint {joint!r}: {what} is {rates[worst]:.4g} 1/s; "
+                f"use a {name} of at most {0.99 * limit / rates[worst]:.3g} s, a softer spring or more inertia"
             )
 
     @property
@@ -177,7 +191,14 @@ class FlexibleJointPlant:
         return spring + damping * (self.theta_dot - self.q_dot)
 
     def step(self, tau_m: Array, tau_ext: Array) -> None:
-        """Advance one control period with motor and external torques held, (num_envs, dof) each, N or N m."""
+        """Advance one control period with motor and external torques held, (num_envs, dof) each, N or N m.
+
+        Raises:
+            ValueError: a torque has another shape.
+        """
+        for name, torque in (("tau_m", tau_m), ("tau_ext", tau_ext)):
+            if torque.shape != self.q.shape:
+                raise ValueError(f"{name} has shape {torque.shape}; this plant needs {self.q.shape}")
         middle = self.q + (0.5 * self.control_dt) * self.q_dot
         inertia, bias = self.body.dynamics(middle, self.q_dot)
         layout = self.body.layout

@@ -81,7 +81,13 @@ class RigidBody:
         return self.model.M_rownnz, self.model.M_rowadr, self.model.M_colind
 
     def scale_mass(self, scale: Array, ids: Ids = None) -> None:
-        """Multiply all masses and inertias of the file by `scale`, (n,), for the named environments."""
+        """Multiply all masses and inertias of the file by `scale`, (n,), for the named environments.
+
+        Raises:
+            ValueError: a scale is not finite and above 0.
+        """
+        if not np.all(np.isfinite(scale) & (np.asarray(scale) > 0)):
+            raise ValueError(f"mass scale is {scale}; it must be finite and above 0")
         rows = slice(None) if ids is None else ids
         self._mass_scale[rows] = scale
         self._mass[rows] = self.model.body_mass * self._mass_scale[rows, None]
@@ -116,9 +122,9 @@ class RigidBody:
         return dense
 
     def gravity(self, q: Array, ids: Ids = None) -> Array:
-        """Gravity torque g(q), (n, dof), N or N m: what holds the links still is +g."""
+        """Torque g(q), (n, dof), N or N m, that holds the links still: gravity, less the file's own joint springs."""
         rows = self._forward(q, 0.0, ids)
-        return np.array(self._bias[rows])
+        return np.asarray(self._bias[rows] - self._passive[rows])
 
     def tool_position(self, q: Array) -> Array:
         """Tool position in the world at q (num_envs, dof): (num_envs, 3), m."""

@@ -61,7 +61,7 @@ class Scenario:
 
 
 def _vector(value: Any, dof: int, what: str) -> Array:
-    array = np.asarray(value, dtype=np.float64)
+    array = np.array(value, dtype=np.float64)
     if array.shape != (dof,) or not np.all(np.isfinite(array)):
         raise ValueError(f"{what} is {value}; give {dof} finite value(s), one per joint")
     return array

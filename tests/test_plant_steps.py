@@ -1,0 +1,124 @@
+"""What the plant refuses: periods that do not fit, joints too fast to follow, wrong shapes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from pendulum import FRICTION, JOINTS, POSE, MakeRobot, plant_of
+from reference import Arm, dense_inertia
+
+from fo_gym.plant import FlexibleJointPlant
+from fo_gym.plant.plant import micro_steps
+
+
+@pytest.mark.parametrize(
+    ("control_dt", "physics_dt", "steps"),
+    [
+        (1e-3, None, 5),
+        (1e-4, None, 1),
+        (2e-4, None, 1),
+        (13 * 2e-4, None, 13),  # 13.000000000000002 in floating point
+        (1e-3, 1e-3, 1),
+        (1e-3, 1e-4, 10),
+        (1 / 3000, 1 / 9000, 3),
+    ],
+)
+def test_micro_steps(control_dt: float, physics_dt: float | None, steps: int) -> None:
+    assert micro_steps(control_dt, physics_dt) == steps
+
+
+@pytest.mark.parametrize("control_dt", [1e-3, 3e-4, 1 / 3000, 2.5e-3, 1e-5])
+def test_default_micro_step_divides_and_is_short(control_dt: float) -> None:
+    steps = micro_steps(control_dt, None)
+    assert control_dt / steps <= 2e-4 * (1 + 1e-9)
+    assert steps == 1 or control_dt / (steps - 1) > 2e-4
+
+
+@pytest.mark.parametrize(("control_dt", "physics_dt"), [(1e-3, 3e-4), (1e-3, 6e-4), (1e-3, 1e-2), (1 / 3000, 1e-4)])
+def test_non_divisor_is_refused_with_a_value_that_works(control_dt: float, physics_dt: float) -> None:
+    with pytest.raises(ValueError, match="does not divide") as refusal:
+        micro_steps(control_dt, physics_dt)
+    assert str(physics_dt) in str(refusal.value)
+    advice = float(str(refusal.value).split(";")[1].split()[0])
+    assert micro_steps(control_dt, advice) >= 1
+
+
+@pytest.mark.parametrize("bad", [0.0, -1e-3, np.nan, np.inf])
+def test_periods_must_be_positive(bad: float) -> None:
+    with pytest.raises(ValueError, match="control_dt"):
+        micro_steps(bad, None)
+    with pytest.raises(ValueError, match="physics_dt"):
+        micro_steps(1e-3, bad)
+
+
+def test_too_long_micro_step_is_refused_with_numbers(pendulum: MakeRobot) -> None:
+    """The fastest mode, K_j (1/B + (M^-1)_jj), from the link's own inertia matrix; the advised step is accepted."""
+    robot, stiff = pendulum(), replace(JOINTS, stiffness=np.array([3e3, 3e5]))
+    arm = Arm(robot.path, stiff, FRICTION)
+    inverse = np.linalg.inv(dense_inertia(arm, np.zeros(2)))
+    omega = np.sqrt(3e5 * (1.0 + inverse[1, 1]))
+    with pytest.raises(ValueError, match=r"0\.0005 s.*'elbow'") as refusal:
+        FlexibleJointPlant(robot, 1, joints=stiff, friction=FRICTION, physics_dt=5e-4)
+    assert f"is {omega:.4g} 1/s" in str(refusal.value)
+    advice = float(str(refusal.value).split("at most ")[1].split()[0])
+    assert advice == pytest.approx(1.0 / omega, rel=1e-2)
+    steps = int(np.ceil(1e-3 / advice))
+    FlexibleJointPlant(robot, 1, joints=stiff, friction=FRICTION, physics_dt=1e-3 / steps)
+
+
+def test_reset_checks_the_micro_step_of_new_parameters(pendulum: MakeRobot) -> None:
+    plant = plant_of(pendulum(), num_envs=2)
+    plant.configure(np.array([1]), joints=replace(JOINTS, stiffness=3e6), friction=FRICTION)
+    with pytest.raises(ValueError, match="too long"):
+        plant.reset(np.array([1]), POSE)
+    plant.reset(np.array([0]), POSE)
+
+
+# Each of these once corrupted memory, diverged or drifted without a word.
+
+
+@pytest.mark.parametrize("name", ["tau_m", "tau_ext"])
+@pytest.mark.parametrize("rows", [1, 6])
+def test_torques_of_another_shape_are_refused(pendulum: MakeRobot, name: str, rows: int) -> None:
+    plant = plant_of(pendulum(), num_envs=4)
+    before = plant.get_state()
+    torques = {"tau_m": np.zeros((4, 2)), "tau_ext": np.zeros((4, 2)), name: np.zeros((rows, 2))}
+    with pytest.raises(ValueError, match=rf"{name} has shape \({rows}, 2\); this plant needs \(4, 2\)"):
+        plant.step(**torques)
+    np.testing.assert_array_equal(plant.get_state().q, before.q)
+    np.testing.assert_array_equal(plant.time, before.time)
+
+
+@pytest.mark.parametrize("scale", [0.0, -1.0, np.nan, np.inf])
+def test_impossible_masses_are_refused(pendulum: MakeRobot, scale: float) -> None:
+    plant = plant_of(pendulum())
+    with pytest.raises(ValueError, match=f"mass scale is .*{scale:g}".replace("-", r"\-")):
+        plant.configure(np.array([0]), joints=JOINTS, friction=FRICTION, mass_scale=scale)
+
+
+def test_a_spring_too_damped_for_the_sweeps_is_refused(pendulum: MakeRobot) -> None:
+    with pytest.raises(
+        ValueError, match=r"physics_dt .* is too long for joint 'elbow': its spring's damping"
+    ) as refusal:
+        FlexibleJointPlant(pendulum(), 1, joints=replace(JOINTS, damping=1e4), friction=FRICTION)
+    advice = float(str(refusal.value).split("at most ")[1].split()[0])
+    assert 0.0 < advice < 2e-4
+
+
+def test_a_damper_in_the_file_too_strong_for_the_control_period_is_refused(pendulum: MakeRobot) -> None:
+    with pytest.raises(ValueError, match=r"control_dt 0\.001 s is too long for joint 'elbow': the file's own damping"):
+        plant_of(pendulum(elbow='axis="0 1 0" damping="200"'))
+
+
+def test_a_lost_environment_says_so_in_its_friction_too(pendulum: MakeRobot, monkeypatch: Any, tmp_path: Path) -> None:
+    monkeypatch.chdir(tmp_path)  # MuJoCo writes its warning about the state into the working directory
+    plant = plant_of(pendulum(), num_envs=2)
+    plant.q[1] = np.nan
+    plant.step(np.zeros((2, 2)), np.zeros((2, 2)))
+    assert plant.finite.tolist() == [True, False]
+    assert np.isfinite(plant.tau_f[0]).all()
+    assert np.isnan(plant.tau_f[1]).all()
