@@ -126,7 +126,10 @@ def _factory(spec: str) -> Any:
             raise ValueError(f"compensator {spec!r}: {error}; is the package installed?") from error
     if not hasattr(module, attribute):
         raise ValueError(f"compensator {spec!r}: {where} has no {attribute!r}")
-    return getattr(module, attribute)
+    found = getattr(module, attribute)
+    if found is Ideal:
+        raise ValueError(f"compensator {spec!r} is the reference 'ideal', not a competitor; name it 'ideal'")
+    return found
 
 
 def make_compensator(spec: str, **gains: Any) -> Compensator:

@@ -72,6 +72,7 @@ class Simulation:
         self.tau_j = np.zeros(shape)
         self.tau_m = np.zeros(shape)
         self.tau_ext = np.zeros(shape)
+        self.tau_f = np.zeros(shape)
         # A pulse per environment; length zero where there is none.
         self._push_time = np.zeros((num_envs, 1))
         self._push_duration = np.zeros((num_envs, 1))
@@ -117,6 +118,7 @@ class Simulation:
         # At rest in equilibrium the motor has been holding the spring: the first roughness counts from there.
         self.tau_m[ids] = self.tau_j[ids]
         self.tau_ext[ids] = 0.0
+        self.tau_f[ids] = 0.0
 
     def _configure(self, i: int, scenario: Scenario) -> None:
         self.scenarios[i] = scenario
@@ -154,6 +156,7 @@ class Simulation:
         action = np.minimum(np.maximum(action, -limit), limit)
         previous = self.tau_m
         reasons: dict[int, str] = {}
+        tau_f = np.zeros_like(self.tau_f)
         for _ in range(self.settings.decimation):
             self.tau_ext = self._external_torque()
             self.tau_m = self.tau_c - action if self.settings.action_mode == "compensation" else action
@@ -162,7 +165,9 @@ class Simulation:
             self.nominal_motor.step(self.tau_c, self.tau_j, self.plant.motor_inertia)
             self.ticks += 1
             self._find_ends(before, reasons)
+            tau_f += self.plant.tau_f
             self._measure()
+        self.tau_f = tau_f / self.settings.decimation
         roughness = np.add.reduce(np.abs(self.tau_m - previous) / limit, axis=1) / self.dof
         closeness = 1.0 / (1.0 + self.control.distance(self.plant) / self.task.accuracy)
         terminated = np.zeros(self.num_envs, dtype=bool)
@@ -203,8 +208,8 @@ class Simulation:
     def truth(self) -> dict[str, Array]:
         """Privileged truth for scoring and plotting, (num_envs, dof) each.
 
-        theta, theta_dot, q, q_dot, z at the new tick; tau_m and tau_ext as applied; tau_f, its mean over the past
-        control period.
+        theta, theta_dot, q, q_dot, z at the new tick; tau_m and tau_ext as applied in the past control tick; tau_f,
+        its mean over the past step.
         """
         plant = self.plant
         values = {
@@ -215,7 +220,7 @@ class Simulation:
             "z": plant.z,
             "tau_m": self.tau_m,
             "tau_ext": self.tau_ext,
-            "tau_f": plant.tau_f,
+            "tau_f": self.tau_f,
         }
         return {name: value.copy() for name, value in values.items()}
 
@@ -230,7 +235,7 @@ class Simulation:
             self.ticks.copy(),
             self.tau_m.copy(),
             self.tau_ext.copy(),
-            self.plant.tau_f.copy(),
+            self.tau_f.copy(),
         )
 
     def set_state(self, state: SimulationState) -> None:
@@ -246,7 +251,7 @@ class Simulation:
             self._configure(i, scenario)
         self.control.reset(everyone, state.scenarios)
         self.plant.set_state(state.plant)
-        self.plant.tau_f[:] = state.tau_f
+        self.tau_f = state.tau_f.copy()
         self.nominal_motor.reset(everyone, state.theta_n, state.theta_n_dot)
         self.ticks = state.ticks.copy()
         self.tau_m = state.tau_m.copy()

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from fo_gym.compensators import Compensator, Ideal, NoCompensation, checked, make_compensator
@@ -86,11 +87,11 @@ def failed_rows(episodes: EpisodeSet, name: str, error: str, protocol: str = "")
 
 def evaluation_seeds(variant: str, seeds: int | Sequence[int]) -> tuple[int, ...]:
     """The seeds that are meant: n means the first n validation seeds; "nominal" has no randomness and runs once."""
-    if not isinstance(seeds, int):
+    if not isinstance(seeds, int | np.integer):
         if not len(seeds) or not all(int(seed) == seed >= 0 for seed in seeds):
             raise ValueError(f"seeds are {list(seeds)}; give whole numbers of at least 0, one or more of them")
         return tuple(int(seed) for seed in seeds)
-    chosen = first(VALIDATION_SEEDS, seeds)
+    chosen = first(VALIDATION_SEEDS, int(seeds))
     return chosen[:1] if variant == "nominal" else chosen
 
 

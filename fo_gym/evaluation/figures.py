@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Any
 
@@ -109,6 +110,8 @@ def figures(results: Results, folder: Path) -> list[Path]:
     with mpl.rc_context({"savefig.dpi": 110}):
         for name, figure in drawn.items():
             path = folder / f"{name}.png"
-            figure.savefig(path, metadata={"Software": None})
+            draft = path.with_suffix(".part")
+            figure.savefig(draft, format="png", metadata={"Software": None})
+            os.replace(draft, path)
             paths.append(path)
     return paths

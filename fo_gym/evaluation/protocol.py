@@ -68,7 +68,7 @@ class Protocol:
 
     @property
     def stamp(self) -> str:
-        """Name and hash of everything that decides the episodes; every row of the results carries it."""
+        """Name and hash of the whole protocol; every row of the results carries it."""
         content = json.dumps(asdict(self), sort_keys=True).encode()
         return f"{self.name}@{hashlib.sha256(content).hexdigest()[:12]}"
 

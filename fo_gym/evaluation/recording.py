@@ -5,10 +5,11 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import gymnasium as gym
 import numpy as np
+from gymnasium.envs.registration import load_env_creator
 from numpy.typing import NDArray
 
 from fo_gym.compensators import Compensator, CompensatorError, Ideal
@@ -125,7 +126,7 @@ def _estimate(compensator: Compensator, name: str, signals: Signals, alive: NDAr
     """The compensator's answer, checked where it counts: in the episodes that still run."""
     try:
         answer = np.asarray(compensator.estimate(signals), dtype=np.float64)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise CompensatorError(f"{name}: estimate raised {type(error).__name__} at tick {tick}: {error}") from error
     if answer.shape != signals.theta.shape:
         raise CompensatorError(
@@ -140,10 +141,21 @@ def _estimate(compensator: Compensator, name: str, signals: Signals, alive: NDAr
     return answer if alive.all() else np.where(alive[:, None], answer, 0.0)
 
 
+def _check_suite(env_id: str) -> None:
+    """Raise ValueError for an environment that is not registered, or whose episodes cannot be scored."""
+    try:
+        entry = gym.spec(env_id).vector_entry_point
+        creator: Any = load_env_creator(entry) if isinstance(entry, str) else entry
+    except gym.error.Error as error:
+        raise ValueError(f"unknown environment {env_id!r}: {error}") from error
+    if not (isinstance(creator, type) and issubclass(creator, JointVectorEnv)):
+        raise ValueError(f"{env_id!r} is not an environment of flexible joints; see `fo-gym list`")
+
+
 def _reset(compensator: Compensator, name: str, env: JointVectorEnv) -> None:
     try:
         compensator.reset(env.joint_info, env.num_envs)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise CompensatorError(f"{name}: reset raised {type(error).__name__}: {error}") from error
 
 
@@ -171,9 +183,8 @@ def record(
     kwargs = {**env_kwargs, "feedback": compensator.feedback}
     if type(compensator) is Ideal:
         kwargs["friction"] = FRICTIONLESS
-    env = gym.make_vec(env_id, num_envs=len(seeds), variant=variant, **kwargs).unwrapped
-    if not isinstance(env, JointVectorEnv):
-        raise ValueError(f"{env_id} is not an environment of this suite")
+    _check_suite(env_id)
+    env = cast("JointVectorEnv", gym.make_vec(env_id, num_envs=len(seeds), variant=variant, **kwargs).unwrapped)
     obs, info = env.reset(seed=list(seeds))
     _reset(compensator, name, env)
     return _Recorder(env, obs, info).run(compensator, name)

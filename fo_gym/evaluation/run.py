@@ -120,7 +120,7 @@ def _run_competitor(episodes: EpisodeSet, name: str, references: References, sta
     try:
         _, compensator = named_compensator(name)
         recording = episodes.record(compensator, name)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         return _Finished(failed_rows(episodes, name, f"{type(error).__name__}: {error}", stamp), None, None)
     return _finish(episodes, name, recording, references, stamp)
 

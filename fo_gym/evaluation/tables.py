@@ -74,7 +74,7 @@ def rankings(episodes: pd.DataFrame) -> Iterator[Ranking]:
 
 
 def summary(table: pd.DataFrame) -> Ranking:
-    """FRR of every competitor in every environment and variant, best on average first.
+    """FRR of every competitor in every environment and variant, best on average first, failed ones last.
 
     Args:
         table: rows as `leaderboard` gives them.
@@ -82,7 +82,8 @@ def summary(table: pd.DataFrame) -> Ranking:
     competitors = table[~table["compensator"].isin(BUILT_IN)]
     frr = competitors.pivot(index="compensator", columns=SET, values="frr")
     sets = list(table[SET].drop_duplicates().itertuples(index=False, name=None))
-    frr = frr.loc[frr.mean(axis=1).sort_values(ascending=False, kind="stable").index, sets]
+    mean = frr.mean(axis=1, skipna=False).sort_values(ascending=False, kind="stable", na_position="last")
+    frr = frr.loc[mean.index, sets]
     headings = ["compensator", *(f"{env}, {variant}" for env, variant in sets)]
     cells = [
         [str(name), *(_number(value, ".3f") for value in values)]
