@@ -11,12 +11,12 @@ from dataclasses import fields, replace
 import gymnasium as gym
 import numpy as np
 import pytest
+from environments import IDS, SQUARE_ID, drive, every_env, make
 from gymnasium.utils.env_checker import check_env
+from stable_baselines3.common.env_checker import check_env as check_sb3_env
 
 import fo_gym
 
-IDS = fo_gym.ENVIRONMENTS
-SQUARE_ID = IDS[2]
 ORDER = ("theta", "theta_dot", "tau_j", "theta_n", "theta_n_dot", "theta_d", "tau_c")
 
 # Deliberate: actions are torques in physical units, observations are in physical units and unbounded, all in float64.
@@ -32,29 +32,13 @@ SB3_TOLERATED = {
     "Your action space has dtype float64, we recommend using np.float32 to avoid cast errors.",
 }
 
-every_env = pytest.mark.parametrize("env_id", IDS)
-
-
-def make(env_id, **arguments):
-    """The environment itself, reset."""
-    env = gym.make(env_id, **arguments).unwrapped
-    env.reset(seed=0)
-    return env
-
-
-def drive(env, steps=100, amplitude=1.0):
-    """Observations (steps, size) under sinusoids of the largest action, another frequency for every joint."""
-    phase = np.arange(1, env.simulation.dof + 1) * 0.05
-    return np.array([env.step(amplitude * env.action_space.high * np.sin(k * phase))[0] for k in range(steps)])
-
 
 @every_env
 @pytest.mark.parametrize("action_mode", ["compensation", "torque"])
 @pytest.mark.parametrize("variant", ["nominal", "randomized"])
 def test_checkers(env_id, action_mode, variant):
-    sb3 = pytest.importorskip("stable_baselines3.common.env_checker")
     env = make(env_id, action_mode=action_mode, variant=variant, duration=0.01)
-    for checker, tolerated in ((check_env, GYMNASIUM_TOLERATED), (sb3.check_env, SB3_TOLERATED)):
+    for checker, tolerated in ((check_env, GYMNASIUM_TOLERATED), (check_sb3_env, SB3_TOLERATED)):
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             checker(env, skip_render_check=True)
@@ -139,95 +123,6 @@ def test_reward_is_what_the_docstring_says(env_id):
         roughness = np.mean(np.abs(info["tau_m"] - previous) / env.action_space.high)
         assert reward == pytest.approx(1.0 / (1.0 + distance / accuracy) - 0.1 * roughness, rel=1e-12)
         previous = info["tau_m"]
-
-
-@every_env
-def test_bad_actions_are_refused_and_change_nothing(env_id):
-    env, vector = make(env_id), gym.make_vec(env_id, num_envs=2)
-    vector.reset(seed=0)
-    dof = env.simulation.dof
-    good = np.zeros(dof)
-    expected = env.step(good)[0]
-    for wrong in (np.zeros(dof + 1), np.zeros((1, dof)), np.float64(0.0)):
-        with pytest.raises(ValueError, match=re.escape(f"shape {wrong.shape}; this environment takes {(dof,)}")):
-            env.step(wrong)
-        with pytest.raises(ValueError, match=re.escape(f"this environment takes {(2, dof)}")):
-            vector.step(wrong)
-    for value in (np.nan, np.inf, -np.inf):
-        bad = np.append(np.zeros(dof - 1), value)
-        with pytest.raises(ValueError, match=f"{value}.*must be finite"):
-            env.step(bad)
-        with pytest.raises(ValueError, match="must be finite"):
-            vector.step(np.stack([good, bad]))
-    np.testing.assert_array_equal(vector.step(np.zeros((2, dof)))[0], [expected, expected])
-
-
-@every_env
-@pytest.mark.parametrize("maker", [gym.make, gym.make_vec])
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"variant": "hardware"}, "variant 'hardware'.*'nominal' or 'randomized'"),
-        ({"variant": "easy"}, "variant is 'easy'; allowed are 'nominal', 'randomized'"),
-        ({"action_mode": "position"}, "action_mode is 'position'; allowed are 'compensation', 'torque'"),
-        ({"feedback": None}, "feedback is None; allowed are 'measured', 'nominal'"),
-        ({"sensors": "imu"}, "sensors is 'imu'; allowed are 'joint'"),
-        ({"decimation": 0}, "decimation is 0; .*at least 1"),
-        ({"decimation": 2.5}, "decimation is 2.5; .*whole number"),
-        ({"duration": 0.0}, "duration is 0.0 s; .*above 0"),
-        ({"duration": np.inf}, "duration is inf s; .*finite"),
-        ({"duration": np.nan}, "duration is nan s; .*finite"),
-        ({"control_dt": -1e-3}, "control_dt is -0.001 s; .*above 0"),
-        ({"control_dt": np.nan}, "control_dt is nan s; .*finite"),
-        ({"physics_dt": 3e-4}, "physics_dt 0.0003 s does not divide control_dt 0.001 s; 0.000333333333 s would"),
-        ({"physics_dt": 2e-3}, "physics_dt 0.002 s does not divide"),
-        ({"physics_dt": 0.0}, "physics_dt is 0.0 s; .*above 0"),
-        ({"control_dt": 0.05, "physics_dt": 0.05}, "physics_dt 0.05 s is too long for joint 'joint.* at most"),
-        ({"render_mode": "video"}, "render_mode is 'video'; .*None.*'rgb_array'"),
-        ({"gains": fo_gym.LuGre(1, 1, 1, 1, 1, 1)}, "gains are LuGre; .*takes (PDGains|ImpedanceGains)"),
-        ({"joints": fo_gym.FlexibleJoint(3e3, 0.0, np.ones(5), 1.0)}, r"motor_inertia has shape \(5,\).*joints"),
-        ({"friction": fo_gym.LuGre(1, 1, 1, np.ones(5), 2, 1)}, r"LuGre.f_c has shape \(5,\).*joints"),
-        ({"fricton": fo_gym.FRICTIONLESS}, "unexpected keyword argument 'fricton'"),
-    ],
-)
-@pytest.mark.filterwarnings("ignore:.*not in the possible render_modes")  # gym.make says it first
-def test_bad_arguments_are_refused_with_the_remedy(env_id, maker, arguments, message):
-    with pytest.raises(TypeError if "fricton" in arguments else ValueError, match=message):
-        maker(env_id, **arguments)
-
-
-@every_env
-def test_reset_options(env_id):
-    """What is refused, and why; what is taken is copied, and counts for one episode."""
-    env, vector = gym.make(env_id).unwrapped, gym.make_vec(env_id, num_envs=3)
-    dof = env.simulation.dof
-    ones, longer = np.ones(dof), np.ones(dof + 1)
-    push = {"time": 0.0, "duration": 0.1, "torque": ones}
-    refused = [
-        ({"goal": ones, "push": push}, r"unknown reset options \['goal'\]; allowed are 'target' and 'push'"),
-        ({"push": ones}, "'time', 'duration' and 'torque'"),
-        ({"push": {"time": 0.0, "torque": ones}}, "'time', 'duration' and 'torque'"),
-        ({"push": {**push, "sign": 1}}, "'time', 'duration' and 'torque'"),
-        ({"push": {**push, "torque": longer}}, rf"torque is .*give {dof} finite"),
-        ({"push": {**push, "torque": np.nan * ones}}, rf"torque is .*nan.*give {dof} finite"),
-        ({"push": {**push, "time": -1.0}}, "push time is -1.0; .*>= 0"),
-        ({"push": {**push, "duration": 0.0}}, "push duration is 0.0; .*above 0"),
-    ]
-    why = "takes no 'target'" if env_id == SQUARE_ID else f"'target' is .*give {dof} finite"
-    refused += [({"target": target}, why) for target in (longer, np.inf * ones, 0.0)]
-    for options, message in refused:
-        for each in (env, vector):
-            with pytest.raises(ValueError, match=message):
-                each.reset(options=options)
-    for each in (env, vector):
-        each.reset(seed=0, options={"push": push})
-        np.testing.assert_allclose(each.step(0.0 * each.action_space.high)[4]["tau_ext"], np.sin(np.pi / 200.0) ** 2)
-        each.reset(seed=0)
-        np.testing.assert_array_equal(each.step(0.0 * each.action_space.high)[4]["tau_ext"], 0.0)
-    if env_id != SQUARE_ID:
-        env.reset(options={"target": longer[:dof]})
-        longer[:] = 9.0
-        np.testing.assert_array_equal(env.simulation.scenarios[0].target, 1.0)
 
 
 @every_env

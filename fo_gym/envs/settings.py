@@ -57,6 +57,14 @@ class Settings:
         ):
             if getattr(self, name) not in allowed:
                 raise ValueError(f"{name} is {getattr(self, name)!r}; allowed are {', '.join(map(repr, allowed))}")
+        for name, kind in (("joints", FlexibleJoint), ("friction", LuGre)):
+            value = getattr(self, name)
+            if value is not None and not isinstance(value, kind):
+                raise ValueError(f"{name} is {value!r}; give a {kind.__name__}, or None for the task's own")
+        for name in ("control_dt", "physics_dt", "duration"):
+            value = getattr(self, name)
+            if not (isinstance(value, int | float | np.number) or (value is None and name != "control_dt")):
+                raise ValueError(f"{name} is {value!r}; give a number of seconds")
         if not (isinstance(self.decimation, int | np.integer) and self.decimation >= 1):
             raise ValueError(f"decimation is {self.decimation!r}; it must be a whole number of at least 1")
         if self.duration is not None and not (np.isfinite(self.duration) and self.duration > 0):

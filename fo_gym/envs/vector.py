@@ -117,7 +117,7 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         """
         if not self._generators:
             raise gym.error.ResetNeeded("step() was called before the first reset()")
-        batch = checked_action(actions, (self.num_envs, self.simulation.dof))
+        batch = checked_action(actions, (self.num_envs, self.simulation.dof), self._ended)
         reward, terminated, truncated, reasons = self.simulation.step(batch)
         if self._ended.any():
             again = np.flatnonzero(self._ended)
@@ -155,6 +155,8 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
 
     def get_state(self) -> tuple[SimulationState, list[dict[str, Any]], NDArray[np.bool_]]:
         """A copy of the full state: simulation, random generators, and who resets at the next step."""
+        if not self._generators:
+            raise gym.error.ResetNeeded("get_state() was called before the first reset()")
         generators = [dict(generator.bit_generator.state) for generator in self._generators]
         return self.simulation.get_state(), generators, self._ended.copy()
 
@@ -170,3 +172,7 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
     def __getstate__(self) -> dict[str, Any]:
         # A renderer holds an OpenGL context; the copy makes its own when asked to draw.
         return {**self.__dict__, "_renderer": None}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._everyone.flags.writeable = False  # copies of an array are writeable

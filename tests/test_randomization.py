@@ -1,0 +1,78 @@
+"""The "randomized" variant draws what it says, within the ranges that it says."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from environments import every_env, make
+
+from fo_gym.parameters import per_joint
+from fo_gym.tasks.task import draw_scenario
+
+DRAWS = 400
+
+
+@pytest.fixture(scope="module")
+def scenarios():
+    """Draws of an environment's scenarios, by its id."""
+    made = {}
+
+    def of(env_id):
+        if env_id not in made:
+            task, rng = make(env_id).task, np.random.default_rng(0)
+            made[env_id] = [draw_scenario(task, "randomized", task.joints, task.friction, rng) for _ in range(DRAWS)]
+        return made[env_id]
+
+    return of
+
+
+def fill(values, low, high):
+    """Whether the values stay within [low, high] and come close to both ends."""
+    margin = 0.05 * (high - low)
+    return low <= values.min() <= low + margin and high - margin <= values.max() <= high
+
+
+@every_env
+def test_parameters_fill_their_ranges(env_id, scenarios):
+    task, drawn = make(env_id).task, scenarios(env_id)
+    spread, dof = task.randomization, task.robot.dof
+    friction, joints = per_joint(task.friction, dof), per_joint(task.joints, dof)
+
+    def factors(part, name, nominal):
+        return np.array([getattr(getattr(scenario, part), name) for scenario in drawn]) / getattr(nominal, name)
+
+    for name, field in (("f_c", "friction"), ("v_s", "stribeck"), ("sigma_0", "bristle"), ("sigma_2", "viscous")):
+        assert fill(factors("friction", name, friction), *getattr(spread, field)), name
+    for name in ("motor_inertia", "stiffness"):
+        assert fill(factors("joints", name, joints), *getattr(spread, name)), name
+    np.testing.assert_allclose(
+        factors("friction", "sigma_1", friction), np.sqrt(factors("friction", "sigma_0", friction)), rtol=1e-12
+    )
+    excess = (factors("friction", "f_s", friction) * friction.f_s) / (
+        factors("friction", "f_c", friction) * friction.f_c
+    ) - 1.0
+    assert fill(excess / (friction.f_s / friction.f_c - 1.0), *spread.stiction)
+    assert fill(np.array([scenario.mass_scale for scenario in drawn]), *spread.mass)
+
+
+@every_env
+def test_start_target_and_push_fill_their_ranges(env_id, scenarios):
+    task, drawn = make(env_id).task, scenarios(env_id)
+    spread = task.randomization
+    assert fill(np.array([scenario.q_start for scenario in drawn]) - task.q_start, -spread.start, spread.start)
+    assert fill(np.array([scenario.push.time for scenario in drawn]), *spread.push_time)
+    peak = np.abs(task.random_push.torque).max()
+    sizes = np.array([np.abs(scenario.push.torque).max() for scenario in drawn]) / peak
+    assert fill(sizes, *spread.push)
+    signs = {float(np.sign(scenario.push.torque @ task.random_push.torque)) for scenario in drawn}
+    assert signs == {-1.0, 1.0}
+    if task.step is None:
+        assert all(scenario.target is None for scenario in drawn)
+        return
+    steps = (np.array([scenario.target for scenario in drawn]) - task.q_start) / task.step
+    assert fill(np.abs(steps), *spread.step)
+    # Every joint has a sign of its own, about as often one as the other (four standard deviations).
+    share = (steps > 0.0).mean(axis=0)
+    assert np.all(np.abs(share - 0.5) < 4.0 * 0.5 / np.sqrt(DRAWS))
+    if task.robot.dof > 1:
+        assert np.any(np.sign(steps[:, 0]) != np.sign(steps[:, 1]))
