@@ -4,7 +4,8 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-export MUJOCO_GL ?= egl
+# Only what draws asks for OpenGL: importing MuJoCo with "egl" fails where there is no libEGL.
+test docs: export MUJOCO_GL ?= egl
 
 .PHONY: leaderboard quick test check docs clean help
 
@@ -32,8 +33,8 @@ system:  ## the system libraries that rendering needs
 
 $(VENV)/.base: constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit("fo-gym needs Python 3.11 or newer" if sys.version_info < (3, 11) else 0)'
+	@$(PYTHON) -c 'import ensurepip' 2>/dev/null || sh .ci/system-packages python3-venv
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt pip
 	touch $@
 
 $(VENV)/.run: $(VENV)/.base pyproject.toml

@@ -149,7 +149,10 @@ def _fail_if_failed(results: Results, compensators: list[str]) -> None:
 def run_leaderboard(
     protocol: Annotated[str | None, typer.Option(help="TOML file, or the name of a shipped protocol.")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="The small protocol: two seeds.")] = False,
-    out: Annotated[Path, typer.Option(file_okay=False, help="Folder for the results.")] = Path("leaderboard"),
+    out: Annotated[
+        Path | None,
+        typer.Option(file_okay=False, help="Folder for the results; leaderboard, or build/quick with --quick."),
+    ] = None,
     jobs: Annotated[int, typer.Option(help="Worker processes; -1 = one per core.")] = -1,
 ) -> None:
     """Score every competitor on the same episodes and write leaderboard.csv, episodes.csv, a page and figures.
@@ -157,7 +160,7 @@ def run_leaderboard(
     Examples:
         fo-gym leaderboard
 
-        fo-gym leaderboard --quick --out build/quick
+        fo-gym leaderboard --quick
 
         fo-gym leaderboard --protocol my_protocol.toml --out build/mine --jobs 2
     """
@@ -169,7 +172,8 @@ def run_leaderboard(
         raise _Stop(str(error)) from error
     results = _run(chosen, jobs)
     _print_rankings(results)
-    _write(chosen, results, out)
+    _write(chosen, results, out or Path("build/quick" if quick else "leaderboard"))
+    _fail_if_failed(results, list(chosen.compensators))
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ import importlib
 import importlib.util
 import inspect
 import sys
+import warnings
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
@@ -72,15 +73,15 @@ class Ideal(NoCompensation):
     """`ideal`: no compensation on joints without friction; a reference, not a competitor."""
 
 
-def _plug_ins() -> dict[str, EntryPoint]:
-    found: dict[str, EntryPoint] = {}
+def _plug_ins() -> dict[str, tuple[EntryPoint, ...]]:
+    """Registered names and what each stands for; a name that two plug-ins claim has both."""
+    found: dict[str, dict[str, EntryPoint]] = {}
     for entry in sorted(entry_points(group=GROUP), key=lambda entry: entry.name):
         if entry.name in BUILT_IN:
-            raise ValueError(f"entry point {entry.value!r} calls itself {entry.name!r}; that name is reserved")
-        if entry.name in found and found[entry.name].value != entry.value:
-            raise ValueError(f"two plug-ins are called {entry.name!r}: {found[entry.name].value} and {entry.value}")
-        found[entry.name] = entry
-    return found
+            warnings.warn(f"plug-in {entry.value!r} is ignored: the name {entry.name!r} is reserved", stacklevel=2)
+            continue
+        found.setdefault(entry.name, {})[entry.value] = entry
+    return {name: tuple(entries.values()) for name, entries in found.items()}
 
 
 def list_compensators() -> list[str]:
@@ -110,7 +111,10 @@ def _factory(spec: str) -> Any:
     if spec in BUILT_IN:
         return {"none": NoCompensation, "ideal": Ideal}[spec]
     if spec in plug_ins:
-        return plug_ins[spec].load()
+        if len(plug_ins[spec]) > 1:
+            both = " and ".join(entry.value for entry in plug_ins[spec])
+            raise ValueError(f"two plug-ins are called {spec!r}: {both}; name one of them as module:Class")
+        return plug_ins[spec][0].load()
     where, colon, attribute = spec.rpartition(":")
     if not colon:
         known = ", ".join(list_compensators())
@@ -123,13 +127,12 @@ def _factory(spec: str) -> Any:
         try:
             module = importlib.import_module(where)
         except ModuleNotFoundError as error:
-            raise ValueError(f"compensator {spec!r}: {error}; is the package installed?") from error
+            raise ValueError(
+                f"compensator {spec!r}: {error}; is the package installed? A file is named file.py:Class"
+            ) from error
     if not hasattr(module, attribute):
         raise ValueError(f"compensator {spec!r}: {where} has no {attribute!r}")
-    found = getattr(module, attribute)
-    if found is Ideal:
-        raise ValueError(f"compensator {spec!r} is the reference 'ideal', not a competitor; name it 'ideal'")
-    return found
+    return getattr(module, attribute)
 
 
 def make_compensator(spec: str, **gains: Any) -> Compensator:
@@ -148,7 +151,7 @@ def make_compensator(spec: str, **gains: Any) -> Compensator:
         candidate = _factory(spec)(**gains)
     except (ValueError, TypeError):
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise CompensatorError(f"compensator {spec!r}: making it raised {type(error).__name__}: {error}") from error
     return checked(candidate, spec)
 
@@ -157,6 +160,7 @@ def checked(candidate: Any, name: str) -> Compensator:
     """`candidate`, if it has what the protocol asks for.
 
     Raises:
+        ValueError: it is the reference `ideal` under another name.
         TypeError: it lacks `feedback`, `reset` or `estimate`; the message shows what is needed.
     """
     if inspect.isclass(candidate) or not isinstance(candidate, Compensator):
@@ -165,6 +169,8 @@ def checked(candidate: Any, name: str) -> Compensator:
             f"compensator {name!r} lacks {', '.join(missing) or 'an instance'}; it needs feedback = 'measured' | "
             "'nominal', reset(joints, num_envs) and estimate(signals)"
         )
+    if isinstance(candidate, Ideal) and name != "ideal":
+        raise ValueError(f"compensator {name!r} is the reference 'ideal', not a competitor; name it 'ideal'")
     if candidate.feedback not in ("measured", "nominal"):
         raise TypeError(f"compensator {name!r}: feedback is {candidate.feedback!r}; allowed are 'measured', 'nominal'")
     return candidate

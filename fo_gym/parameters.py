@@ -87,7 +87,9 @@ class LuGre:
 
     def passivity_margin(self) -> Array:
         """sigma_2 - sigma_1 (f_s - f_c) / f_c: above 0, a sufficient condition for the passivity of v -> -tau_f."""
-        return np.asarray(self.sigma_2 - self.sigma_1 * (np.asarray(self.f_s) - self.f_c) / self.f_c)
+        f_c, f_s = np.broadcast_arrays(np.asarray(self.f_c, dtype=np.float64), self.f_s)
+        excess = np.divide(f_s - f_c, f_c, out=np.zeros_like(f_c), where=f_c > 0)
+        return np.asarray(self.sigma_2 - self.sigma_1 * excess)
 
 
 FRICTIONLESS = LuGre(sigma_0=0.0, sigma_1=0.0, sigma_2=0.0, f_c=0.0, f_s=0.0, v_s=1.0)

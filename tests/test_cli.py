@@ -201,6 +201,14 @@ def test_a_protocol_of_ones_own(folder: Path) -> None:
     assert "2/2" in result.err
 
 
+def test_a_leaderboard_with_a_failed_row_is_written_and_fails(folder: Path) -> None:
+    (folder / "partly.toml").write_text(TINY.replace("mine.py:Mine", "mine.py:Broken"), encoding="utf-8")
+    result = run("leaderboard", "--protocol", "partly.toml", "--out", "partly", "--jobs", "1")
+    assert result.code == 2
+    assert "KeyError" in result.err
+    assert {path.name for path in written(folder / "partly")} == FILES
+
+
 # How it says no
 
 REFUSED = [

@@ -216,11 +216,27 @@ def test_a_class_that_cannot_be_made(folder: Path) -> None:
 
 @pytest.mark.parametrize("name", ["ideal", "none"])
 def test_a_plug_in_cannot_take_a_reserved_name(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
-    plug_ins(monkeypatch, (name, "theirs:Ideal"))
-    with pytest.raises(ValueError, match=rf"theirs:Ideal.*{name}.*reserved"):
-        list_compensators()
-    with pytest.raises(ValueError, match="reserved"):
-        make_compensator(name)
+    """It is left out, and says so; everybody else is there."""
+    plug_ins(monkeypatch, (name, "theirs:Ideal"), ("theirs", "baselines.kim2019:pd_low"))
+    with pytest.warns(UserWarning, match=rf"theirs:Ideal.*ignored.*{name}.*reserved"):
+        assert list_compensators() == ["none", "ideal", "theirs"]
+    with pytest.warns(UserWarning, match="reserved"):
+        assert type(make_compensator(name)).__module__ == "fo_gym.compensators"
+
+
+def test_ideal_cannot_compete_under_another_name(folder: Path) -> None:
+    (folder / "sneak.py").write_text("from fo_gym.compensators import Ideal\ndef make(): return Ideal()\n")
+    for sneak in ("sneak.py:make", "fo_gym.compensators:Ideal"):
+        with pytest.raises(ValueError, match="is the reference 'ideal', not a competitor"):
+            make_compensator(sneak)
+    with pytest.raises(ValueError, match="not a competitor"):
+        fo_gym.evaluate(type(make_compensator("ideal")), "FJRStiction-v0", duration=0.01)
+
+
+def test_a_script_that_exits_is_named(folder: Path) -> None:
+    (folder / "script.py").write_text("import sys\nsys.exit('usage')\n")
+    with pytest.raises(fo_gym.CompensatorError, match=r"script\.py:C.*SystemExit: usage"):
+        make_compensator("script.py:C")
 
 
 def test_plug_ins_of_others_are_listed_and_made(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -231,8 +247,9 @@ def test_plug_ins_of_others_are_listed_and_made(monkeypatch: pytest.MonkeyPatch)
 
 def test_two_plug_ins_of_one_name_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     plug_ins(monkeypatch, ("pid", "a:X"), ("pid", "b:Y"))
-    with pytest.raises(ValueError, match=r"two plug-ins are called 'pid': a:X and b:Y"):
-        list_compensators()
+    assert list_compensators() == ["none", "ideal", "pid"]
+    with pytest.raises(ValueError, match=r"two plug-ins are called 'pid': a:X and b:Y; name one of them"):
+        make_compensator("pid")
     plug_ins(monkeypatch, ("pid", "a:X"), ("pid", "a:X"))
     assert list_compensators() == ["none", "ideal", "pid"]
 

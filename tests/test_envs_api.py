@@ -108,7 +108,7 @@ def test_actions_are_clipped_to_the_torque_limit(env_id):
 
 @every_env
 def test_reward_is_what_the_docstring_says(env_id):
-    """closeness - roughness, under a held action that lets tau_c alone change tau_m; roughness counts from tau_j."""
+    """closeness * (1 - 0.1 roughness), under a held action that lets tau_c alone change tau_m, from tau_j on."""
     env = make(env_id, variant="randomized")
     obs, info = env.reset(seed=0)
     accuracy = dict(zip(IDS, (1e-3, 5e-3, 2e-3), strict=True))[env_id]
@@ -121,8 +121,16 @@ def test_reward_is_what_the_docstring_says(env_id):
             (tool,) = env.simulation.plant.body.tool_position(info["q"][None])
             distance = np.linalg.norm(tool - signals.reference)
         roughness = np.mean(np.abs(info["tau_m"] - previous) / env.action_space.high)
-        assert reward == pytest.approx(1.0 / (1.0 + distance / accuracy) - 0.1 * roughness, rel=1e-12)
+        assert reward == pytest.approx((1.0 - 0.1 * roughness) / (1.0 + distance / accuracy), rel=1e-12)
         previous = info["tau_m"]
+
+
+@every_env
+def test_ending_an_episode_never_pays(env_id):
+    """Even the roughest commands, from one limit to the other, leave a reward above zero."""
+    env = make(env_id, action_mode="torque")
+    rewards = [env.step((-1.0) ** k * env.action_space.high)[1] for k in range(20)]
+    assert min(rewards) > 0.0
 
 
 @every_env

@@ -248,3 +248,18 @@ def test_gymnasiums_vector_wrappers(env_id):
     np.testing.assert_allclose([info["episode"]["r"] for info in infos], total, rtol=1e-6)  # it sums in float32
     assert [int(info["episode"]["l"]) for info in infos] == [50] * 3
     env.close()
+
+
+def test_a_push_next_door_leaves_no_trace():
+    """Not even in the sign of a zero: nobody else's external torque turns -0.0."""
+    vector = gym.make_vec("FJRStiction-v0", num_envs=8, variant="randomized")
+    vector.reset(seed=0)
+    simulation = vector.simulation
+    pushes = [scenario.push for scenario in simulation.scenarios]
+    start = min(push.time for push in pushes)
+    assert any(push.torque[0] < 0.0 and push.time > start + 0.2 for push in pushes)
+    simulation.ticks[:] = round((start + 0.1) / 1e-3)
+    tau_ext = vector.step(np.zeros((8, 1)))[4]["tau_ext"]
+    active = np.array([push.time < start + 0.1 for push in pushes])
+    assert active.any()
+    assert not np.signbit(tau_ext[~active]).any()

@@ -1,145 +1,23 @@
-"""What is kept of an episode, what a compensator gets to see, and what happens when it misbehaves."""
+"""What is kept of an episode: shapes, ticks, references, seeds, early ends."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import fields, is_dataclass
 from typing import Any
 
-import gymnasium as gym
 import numpy as np
 import pandas as pd
 import pytest
+from answering import DOF, REGULATION, SQUARE, STICTION, Answering, arrays, assert_same, episodes, silent
 
-from fo_gym import CompensatorError, FlexibleJoint, JointInfo, Signals, evaluate, make_compensator
+from fo_gym import FlexibleJoint, JointInfo, Signals, evaluate
 from fo_gym.compensators import Ideal, NoCompensation
-from fo_gym.evaluation.evaluate import EpisodeSet, rows
+from fo_gym.evaluation.evaluate import rows
 from fo_gym.evaluation.metrics import METRICS
-from fo_gym.evaluation.recording import Recording, References
-from fo_gym.sensors import SIGNALS
+from fo_gym.evaluation.recording import References
 
-STICTION, REGULATION, SQUARE = "FJRStiction-v0", "FJRRegulation-v0", "FJRSquare-v0"
-DOF = {STICTION: 1, REGULATION: 7, SQUARE: 7}
-PRIVATE = ("q", "q_dot", "z", "tau_f")
 STRONG = FlexibleJoint(stiffness=3000.0, damping=0.0, motor_inertia=1.0, torque_limit=1e308)
-
-
-class Answering:
-    """A compensator whose answer to tick k is `answer(signals, k)`."""
-
-    def __init__(self, answer: Callable[[Signals, int], Any], feedback: str = "measured") -> None:
-        self.answer = answer
-        self.feedback = feedback
-        self.tick = -1
-
-    def reset(self, joints: JointInfo, num_envs: int) -> None:
-        self.joints, self.num_envs = joints, num_envs
-
-    def estimate(self, signals: Signals) -> Any:
-        self.tick += 1
-        return self.answer(signals, self.tick)
-
-
-def silent(signals: Signals, _: int) -> np.ndarray:
-    return np.zeros_like(signals.theta)
-
-
-def episodes(env_id: str, seeds: tuple[int, ...] = (7,), duration: float = 0.1, **kwargs: Any) -> EpisodeSet:
-    return EpisodeSet(env_id, "randomized", seeds, {"duration": duration, **kwargs})
-
-
-def arrays(recording: Recording) -> dict[str, np.ndarray]:
-    return {**recording.ticks, **recording.periods}
-
-
-def assert_same(one: dict[str, np.ndarray], other: dict[str, np.ndarray]) -> None:
-    assert one.keys() == other.keys()
-    for name, values in one.items():
-        np.testing.assert_array_equal(values, other[name], err_msg=name, strict=True)
-
-
-# What a compensator sees
-
-
-def contents(thing: Any, path: str) -> dict[str, Any]:
-    """All plain values that can be reached from `thing` by attributes, by the way that leads there."""
-    if is_dataclass(thing):
-        names = {*(field.name for field in fields(thing)), *vars(thing)}
-        return {k: v for name in names for k, v in contents(getattr(thing, name), f"{path}.{name}").items()}
-    if isinstance(thing, np.ndarray) and thing.base is not None:
-        return {path: thing, **contents(thing.base, f"{path}.base")}
-    return {path: thing}
-
-
-@pytest.mark.parametrize("env_id", DOF)
-def test_no_compensator_sees_the_truth(env_id: str) -> None:
-    truth: dict[str, list[np.ndarray]] = {name: [] for name in PRIVATE}
-    seen: dict[str, list[Any]] = {}
-
-    def look(signals: Signals, _: int) -> np.ndarray:
-        for path, value in (contents(signals, "signals") | contents(spy.joints, "joints")).items():
-            seen.setdefault(path, []).append(np.copy(value) if isinstance(value, np.ndarray) else value)
-        return silent(signals, 0)
-
-    spy = Answering(look)
-    env = gym.make_vec(env_id, num_envs=2, variant="randomized", duration=0.1)
-    _, info = env.reset(seed=[7, 8])
-    for _ in range(100):
-        for name in PRIVATE:
-            truth[name].append(info[name])
-        _, _, _, _, info = env.step(np.zeros((2, DOF[env_id])))
-    episodes(env_id, (7, 8)).record(spy, "spy")
-
-    expected = {f"signals.{name}" for name in (*SIGNALS, "reference", "available")}
-    expected |= {f"joints.{name}" for name in ("dof", "motor_inertia", "stiffness", "torque_limit", "control_dt")}
-    assert {path for path in seen if not path.endswith(".base")} == expected
-    simulation = env.unwrapped.simulation
-    secrets = {name: np.array(values) for name, values in truth.items()}
-    for field in ("sigma_0", "sigma_1", "sigma_2", "f_c", "f_s", "v_s"):
-        secrets[field] = np.array([getattr(each.friction, field) for each in simulation.scenarios])
-    secrets["M"] = simulation.plant.body.dense_inertia(info["q"])
-    for path, values in seen.items():
-        if isinstance(values[0], np.ndarray):
-            for name, secret in secrets.items():
-                shared = np.intersect1d(np.array(values), secret[secret != 0.0])
-                # At rest without gravity the spring is relaxed: motor and link are where they started.
-                at_rest = np.intersect1d(values[0], secret) if name == "q" else []
-                assert set(shared) <= set(at_rest), f"{name} in {path}"
-    env.close()
-
-
-def test_it_does_see_what_it_should() -> None:
-    """The search above finds a value that is there."""
-    signals = Signals.from_observation(np.array([np.arange(8.0)]), 1)
-    found = contents(signals, "signals")
-    assert found["signals.tau_c"] == 6.0
-    assert found["signals.tau_c.base"].shape == (1, 8)
-
-
-@pytest.mark.parametrize("env_id", DOF)
-def test_writing_into_what_it_sees_changes_nothing(env_id: str) -> None:
-    def vandalize(signals: Signals, _: int) -> np.ndarray:
-        for thing in (*contents(signals, "").values(), *contents(vandal.joints, "").values()):
-            if isinstance(thing, np.ndarray) and thing.flags.writeable:
-                thing[...] = 1.2345678
-        return np.zeros((vandal.num_envs, vandal.joints.dof))
-
-    vandal = Answering(vandalize)
-    batch = episodes(env_id, (7, 8))
-    assert_same(arrays(batch.record(vandal, "vandal")), arrays(batch.record(Answering(silent), "silent")))
-
-
-def test_writing_into_an_old_answer_changes_nothing() -> None:
-    buffer = np.zeros((1, 1))
-
-    def reuse(_: Signals, tick: int) -> np.ndarray:
-        buffer[:] = 0.01 * tick
-        return buffer
-
-    fresh = Answering(lambda _, tick: np.full((1, 1), 0.01 * tick))
-    batch = episodes(STICTION)
-    assert_same(arrays(batch.record(Answering(reuse), "reuse")), arrays(batch.record(fresh, "fresh")))
 
 
 # What is kept
@@ -317,50 +195,3 @@ def test_numbers_that_explode_end_the_episode_on_the_last_finite_ones(tmp_path: 
     assert all(np.isfinite(values).all() for values in arrays(recording).values())
     calm = batch.record(NoCompensation(), "none")
     np.testing.assert_array_equal(recording.ticks["q"][:, 0], calm.ticks["q"][:, 0])
-
-
-# Compensators that misbehave
-
-
-def explode(*_: Any) -> Any:
-    raise KeyError("oops")
-
-
-def from_tick_3(value: Any) -> Callable[[Signals, int], Any]:
-    return lambda signals, tick: value if tick >= 3 else silent(signals, tick)
-
-
-BROKEN: list[tuple[Callable[[Signals, int], Any], str]] = [
-    (lambda signals, tick: explode() if tick == 3 else silent(signals, tick), "estimate raised KeyError at tick 3"),
-    (from_tick_3(np.array([[0.0], [math.nan]])), r"returned \[nan\] at tick 3 in episode 1; it must be finite"),
-    (from_tick_3(np.array([[math.inf], [0.0]])), r"returned \[inf\] at tick 3 in episode 0; it must be finite"),
-    (from_tick_3(np.zeros(2)), r"shape \(2,\) at tick 3; \(num_envs, dof\) is \(2, 1\)"),
-    (from_tick_3(np.zeros((2, 2))), r"shape \(2, 2\) at tick 3; \(num_envs, dof\) is \(2, 1\)"),
-    (from_tick_3(0.0), r"shape \(\) at tick 3"),
-    (from_tick_3(None), "at tick 3"),
-    (from_tick_3("zero"), "estimate .* at tick 3"),
-]
-
-
-@pytest.mark.parametrize(("answer", "message"), BROKEN)
-def test_a_broken_estimate_is_named(answer: Callable[[Signals, int], Any], message: str) -> None:
-    with pytest.raises(CompensatorError, match=f"^who: .*{message}"):
-        episodes(STICTION, (1, 2)).record(Answering(answer), "who")
-
-
-def test_a_broken_reset_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Answering, "reset", explode)
-    with pytest.raises(CompensatorError, match=r"^Answering: reset raised KeyError: 'oops'"):
-        evaluate(Answering(silent), STICTION, duration=0.1)
-
-
-def test_gains_that_do_not_fit_the_sampling_are_named() -> None:
-    with pytest.raises(CompensatorError, match=r"^PDObserver: reset raised ValueError.*too fast"):
-        evaluate(make_compensator("pd-low", L=250.0), STICTION, duration=0.1, decimation=5)
-
-
-@pytest.mark.parametrize("value", [np.array([[1], [-2]]), [[1], [-2]], np.array([[1.0], [-2.0]], dtype=np.float32)])
-def test_whatever_is_a_finite_array_will_do(value: Any) -> None:
-    batch = episodes(STICTION, (1, 2))
-    exact = batch.record(Answering(lambda *_: np.array([[1.0], [-2.0]])), "exact")
-    assert_same(arrays(batch.record(Answering(lambda *_: value), "other")), arrays(exact))

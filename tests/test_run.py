@@ -16,6 +16,7 @@ from fo_gym.evaluation.metrics import METRICS
 from fo_gym.evaluation.protocol import Protocol
 from fo_gym.evaluation.report import write_results
 from fo_gym.evaluation.run import Results, run_protocol
+from fo_gym.evaluation.seeds import LEADERBOARD_SEEDS
 
 pytestmark = pytest.mark.xdist_group("run")
 
@@ -90,8 +91,9 @@ def out(folder: Path, protocol: Protocol, results: Results) -> Path:
 
 def test_every_competitor_has_every_episode_in_order(results: Results, protocol: Protocol) -> None:
     table = results.episodes
-    expected = [("nominal", name, 0) for name in ORDER]
-    expected += [("randomized", name, seed) for name in ORDER for seed in (0, 1)]
+    first, second = LEADERBOARD_SEEDS[:2]
+    expected = [("nominal", name, first) for name in ORDER]
+    expected += [("randomized", name, seed) for name in ORDER for seed in (first, second)]
     assert list(table[[*KEY, "seed"]].itertuples(index=False, name=None)) == expected
     assert set(table["env"]) == {SQUARE}
     assert set(table["protocol"]) == {protocol.stamp}
@@ -114,7 +116,7 @@ def test_a_failing_competitor_fails_alone(results: Results) -> None:
 
 
 def test_scores_are_those_of_evaluate(results: Results) -> None:
-    alone = fo_gym.evaluate("pid-high", SQUARE, variant="randomized", seeds=[1])
+    alone = fo_gym.evaluate("pid-high", SQUARE, variant="randomized", seeds=LEADERBOARD_SEEDS[1:2])
     here = results.episodes[results.episodes["compensator"] == "pid-high"].tail(1).reset_index(drop=True)
     pd.testing.assert_frame_equal(alone.drop(columns="protocol"), here.drop(columns="protocol"), check_exact=True)
 
@@ -240,3 +242,17 @@ def test_results_in_which_everybody_failed_are_still_written(
     rows = pd.read_csv(folder / "sad" / "leaderboard.csv")
     assert rows["status"].tolist() == ["ok", "ok", "failed"] * 2
     assert rows["compensator"].tolist() == names * 2
+
+
+def test_a_competitor_that_ends_its_process_fails_alone(tmp_path: Path) -> None:
+    """As a crash in compiled code would: its rows say so, and the others, before and after it, are as ever."""
+    crash = "import os\nfrom baselines import PDObserver\n\n\nclass Crash(PDObserver):\n"
+    crash += "    def __init__(self):\n        super().__init__(50.0, 10.0)\n\n"
+    crash += "    def estimate(self, signals):\n        os._exit(1)\n"
+    (tmp_path / "crash.py").write_text(crash, encoding="utf-8")
+    spec = f"{tmp_path / 'crash.py'}:Crash"
+    protocol = Protocol("crash", "validation", 1, (SQUARE,), ("nominal",), ("pd-low", spec, "pd-high"))
+    table = run_protocol(protocol, jobs=2).episodes.set_index("compensator")
+    assert table["status"].to_dict() == {"none": "ok", "ideal": "ok", "pd-low": "ok", spec: "failed", "pd-high": "ok"}
+    assert table.loc[spec, "error"] == "it ended the process that it ran in"
+    assert table.loc["pd-high", "frr"] > table.loc["pd-low", "frr"]

@@ -71,9 +71,9 @@ class RegulationEnv(JointEnv):
 
     ## Reward
 
-    closeness - roughness: closeness = 1 / (1 + d / 5 mrad), d the root mean square over the joints of
-    theta - theta_d; roughness = 0.1 times the mean over the joints of the change of tau_m since the previous step, as
-    a share of torque_limit.
+    closeness * (1 - 0.1 roughness). closeness = 1 / (1 + d / 5 mrad), in (0, 1], d the root mean square over the joints
+    of theta - theta_d. roughness is the mean over the joints of the change of tau_m since the previous step as a share
+    of torque_limit, at most 1. It is always above 0, so that ending the episode never pays.
 
     ## Start and end
 

@@ -27,7 +27,7 @@ class Settings:
         control_dt: control period [s].
         physics_dt: micro-step [s]; None means min(2e-4, control_dt); it must divide control_dt.
         decimation: control ticks per environment step, at least 1.
-        duration: length of an episode [s].
+        duration: length of an episode [s], rounded to whole steps, at least one.
         joints: motors and springs.
         friction: LuGre parameters.
         gains: PDGains or ImpedanceGains, as the task's controller needs.

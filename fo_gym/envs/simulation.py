@@ -29,6 +29,20 @@ NON_FINITE = "non_finite"
 __all__ = ["JOINT_LIMIT", "NON_FINITE", "Simulation", "SimulationState"]
 
 
+@dataclass(frozen=True)
+class SimulationState:
+    """The full state of a Simulation; arrays are (num_envs, dof), `ticks` (num_envs,)."""
+
+    plant: PlantState
+    scenarios: tuple[Scenario, ...]
+    theta_n: Array
+    theta_n_dot: Array
+    ticks: NDArray[np.int64]
+    tau_m: Array
+    tau_ext: Array
+    tau_f: Array
+
+
 class Simulation:
     """`num_envs` episodes of one task, advanced together.
 
@@ -144,7 +158,7 @@ class Simulation:
         if not active.any():
             return np.zeros((self.num_envs, self.dof))
         share = np.divide(since, self._push_duration, out=np.zeros_like(since), where=active)
-        return self._push_torque * np.sin(np.pi * share) ** 2
+        return np.where(active, self._push_torque * np.sin(np.pi * share) ** 2, 0.0)
 
     def step(self, action: Array) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_], dict[int, str]]:
         """Hold `action` (num_envs, dof) for `decimation` control ticks.
@@ -168,12 +182,12 @@ class Simulation:
             tau_f += self.plant.tau_f
             self._measure()
         self.tau_f = tau_f / self.settings.decimation
-        roughness = np.add.reduce(np.abs(self.tau_m - previous) / limit, axis=1) / self.dof
+        roughness = np.minimum(np.add.reduce(np.abs(self.tau_m - previous) / limit, axis=1) / self.dof, 1.0)
         closeness = 1.0 / (1.0 + self.control.distance(self.plant) / self.task.accuracy)
         terminated = np.zeros(self.num_envs, dtype=bool)
         terminated[list(reasons)] = True
         truncated = (self.ticks >= self.last_tick) & ~terminated
-        return closeness - ROUGHNESS_WEIGHT * roughness, terminated, truncated, reasons
+        return closeness * (1.0 - ROUGHNESS_WEIGHT * roughness), terminated, truncated, reasons
 
     def _find_ends(self, before: PlantState, reasons: dict[int, str]) -> None:
         """Note environments that left the joint range or the finite numbers; put the latter back to `before`."""
@@ -257,17 +271,3 @@ class Simulation:
         self.tau_m = state.tau_m.copy()
         self.tau_ext = state.tau_ext.copy()
         self._measure()
-
-
-@dataclass(frozen=True)
-class SimulationState:
-    """The full state of a Simulation; arrays are (num_envs, dof), `ticks` (num_envs,)."""
-
-    plant: PlantState
-    scenarios: tuple[Scenario, ...]
-    theta_n: Array
-    theta_n_dot: Array
-    ticks: NDArray[np.int64]
-    tau_m: Array
-    tau_ext: Array
-    tau_f: Array

@@ -77,9 +77,9 @@ class SquareEnv(JointEnv):
 
     ## Reward
 
-    closeness - roughness: closeness = 1 / (1 + d / 2 mm), d the distance of the tool from its reference;
-    roughness = 0.1 times the mean over the joints of the change of tau_m since the previous step, as a share of
-    torque_limit.
+    closeness * (1 - 0.1 roughness). closeness = 1 / (1 + d / 2 mm), in (0, 1], d the distance of the tool from its
+    reference. roughness is the mean over the joints of the change of tau_m since the previous step as a share of
+    torque_limit, at most 1. It is always above 0, so that ending the episode never pays.
 
     ## Start and end
 

@@ -62,9 +62,9 @@ class StictionEnv(JointEnv):
 
     ## Reward
 
-    closeness - roughness: closeness = 1 / (1 + |theta - theta_d| / 1 mm), in (0, 1]; roughness = 0.1 times the
-    change of tau_m since the previous step, as a share of torque_limit. It is best at the target, at rest, and never
-    so low that ending the episode would pay.
+    closeness * (1 - 0.1 roughness). closeness = 1 / (1 + |theta - theta_d| / 1 mm), in (0, 1]. roughness is the change
+    of tau_m since the previous step as a share of torque_limit, at most 1. It is best at the target, at rest, and
+    always above 0, so that ending the episode never pays.
 
     ## Start and end
 

@@ -75,6 +75,7 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
             seed = [int(seed) + i for i in range(self.num_envs)]
         if seed is None:
             seed = [None] * self.num_envs
+        seed = [None if each is None else int(each) for each in seed]
         if len(seed) != self.num_envs:
             raise ValueError(f"seed has {len(seed)} values; give one number, or one for each of {self.num_envs}")
         old: Sequence[np.random.Generator | None] = self._generators or [None] * self.num_envs

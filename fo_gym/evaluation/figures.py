@@ -15,7 +15,8 @@ from matplotlib.ticker import MaxNLocator
 
 from fo_gym.compensators import BUILT_IN
 from fo_gym.evaluation.leaderboard import SET, leaderboard
-from fo_gym.evaluation.run import Results, Trace
+from fo_gym.evaluation.run import Results
+from fo_gym.evaluation.trace import Trace
 
 _MILLI = 1e3
 _JOINT = 1
@@ -76,7 +77,8 @@ def _draw_joint(left: Axes, right: Axes, traces: list[Trace]) -> None:
             lost = _MILLI * (trace.error - ideal.error)[:, joint]
             right.plot(trace.time, lost, linewidth=1.1, color=left.lines[-1].get_color())
             reach = max(reach, 1.3 * float(np.abs(lost[len(lost) // 2 :]).max()))
-    right.set_ylim(-reach, reach)
+    if reach > 0.0:
+        right.set_ylim(-reach, reach)
     for axis, origin in ((left, "theta_d"), (right, "theta_ideal")):
         axis.set_xlabel("time [s]")
         axis.set_ylabel(f"theta - {origin}, joint {joint + 1} [m{traces[0].joint_unit}]")
@@ -106,7 +108,6 @@ def figures(results: Results, folder: Path) -> list[Path]:
     for env in dict.fromkeys(trace.env for trace in results.traces):
         drawn[env] = trace_figure([trace for trace in results.traces if trace.env == env])
     paths = []
-    # The date would make the same picture a different file every time.
     with mpl.rc_context({"savefig.dpi": 110}):
         for name, figure in drawn.items():
             path = folder / f"{name}.png"

@@ -12,8 +12,9 @@ import numpy as np
 from gymnasium.envs.registration import load_env_creator
 from numpy.typing import NDArray
 
-from fo_gym.compensators import Compensator, CompensatorError, Ideal
+from fo_gym.compensators import Compensator, Ideal
 from fo_gym.envs.vector import JointVectorEnv
+from fo_gym.evaluation.calls import checked_estimate, checked_reset
 from fo_gym.evaluation.record import Episode, Motion
 from fo_gym.parameters import FRICTIONLESS
 from fo_gym.plant.rigid_body import RigidBody
@@ -122,25 +123,6 @@ class Recording:
         )
 
 
-def _estimate(compensator: Compensator, name: str, signals: Signals, alive: NDArray[np.bool_], tick: int) -> Array:
-    """The compensator's answer, checked where it counts: in the episodes that still run."""
-    try:
-        answer = np.asarray(compensator.estimate(signals), dtype=np.float64)
-    except (Exception, SystemExit) as error:
-        raise CompensatorError(f"{name}: estimate raised {type(error).__name__} at tick {tick}: {error}") from error
-    if answer.shape != signals.theta.shape:
-        raise CompensatorError(
-            f"{name}: estimate returned shape {answer.shape} at tick {tick}; (num_envs, dof) is {signals.theta.shape}"
-        )
-    bad = ~np.isfinite(answer).all(axis=1)
-    if (bad & alive).any():
-        i = int(np.flatnonzero(bad & alive)[0])
-        raise CompensatorError(
-            f"{name}: estimate returned {answer[i]} at tick {tick} in episode {i}; it must be finite"
-        )
-    return answer if alive.all() else np.where(alive[:, None], answer, 0.0)
-
-
 def _check_suite(env_id: str) -> None:
     """Raise ValueError for an environment that is not registered, or whose episodes cannot be scored."""
     try:
@@ -150,13 +132,6 @@ def _check_suite(env_id: str) -> None:
         raise ValueError(f"unknown environment {env_id!r}: {error}") from error
     if not (isinstance(creator, type) and issubclass(creator, JointVectorEnv)):
         raise ValueError(f"{env_id!r} is not an environment of flexible joints; see `fo-gym list`")
-
-
-def _reset(compensator: Compensator, name: str, env: JointVectorEnv) -> None:
-    try:
-        compensator.reset(env.joint_info, env.num_envs)
-    except (Exception, SystemExit) as error:
-        raise CompensatorError(f"{name}: reset raised {type(error).__name__}: {error}") from error
 
 
 def record(
@@ -186,7 +161,7 @@ def record(
     _check_suite(env_id)
     env = cast("JointVectorEnv", gym.make_vec(env_id, num_envs=len(seeds), variant=variant, **kwargs).unwrapped)
     obs, info = env.reset(seed=list(seeds))
-    _reset(compensator, name, env)
+    checked_reset(compensator, name, env)
     return _Recorder(env, obs, info).run(compensator, name)
 
 
@@ -222,7 +197,7 @@ class _Recorder:
         limit = np.asarray(self.simulation.joints.torque_limit)
         for step in range(self.steps):
             start = time.perf_counter()
-            estimate = _estimate(compensator, name, self.signals, self.alive, step)
+            estimate = checked_estimate(compensator, name, self.signals, self.alive, step)
             self.seconds[step] = time.perf_counter() - start
             self.periods["tau_f_hat"][step] = estimate
             obs, _, terminated, _, info = self.env.step(estimate)

@@ -2,48 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from joblib import Parallel, delayed
+from joblib.externals.loky.process_executor import TerminatedWorkerError
 from numpy.typing import NDArray
 
 from fo_gym.compensators import BUILT_IN, Ideal, NoCompensation
 from fo_gym.evaluation.evaluate import EpisodeSet, failed_rows, named_compensator, rows
 from fo_gym.evaluation.protocol import Protocol
 from fo_gym.evaluation.recording import Recording, References
+from fo_gym.evaluation.trace import Trace, trace_of
 
 Array = NDArray[np.float64]
 OnRun = Callable[[str], None]
+_Pair = tuple[EpisodeSet, str, References]
 
-_TRACE_POINTS = 4000
-
-__all__ = ["Results", "Trace", "run_protocol"]
-
-
-@dataclass(frozen=True)
-class Trace:
-    """A nominal episode, thinned for a figure.
-
-    Attributes:
-        env: environment id.
-        compensator: name.
-        joint_unit: "m" or "rad".
-        time: (n,), s.
-        error: theta - theta_d, (n, dof), m or rad.
-        tool, tool_d: tool and its reference, (n, 3), m, or None.
-    """
-
-    env: str
-    compensator: str
-    joint_unit: str
-    time: Array
-    error: Array
-    tool: Array | None
-    tool_d: Array | None
+__all__ = ["Results", "run_protocol"]
 
 
 @dataclass(frozen=True)
@@ -83,25 +62,10 @@ def _timing(episodes: EpisodeSet, name: str, recording: Recording) -> dict[str, 
     }
 
 
-def _trace(episodes: EpisodeSet, name: str, recording: Recording) -> Trace | None:
-    if episodes.variant != "nominal":
-        return None
-    ticks = {key: value[:, 0] for key, value in recording.ticks.items()}
-    keep = slice(None, None, max(1, len(ticks["theta"]) // _TRACE_POINTS))
-    return Trace(
-        env=episodes.env_id,
-        compensator=name,
-        joint_unit=recording.task.joint_unit,
-        time=(np.arange(len(ticks["theta"]), dtype=np.float64) * recording.dt)[keep],
-        error=(ticks["theta"] - ticks["theta_d"])[keep],
-        tool=ticks["tool"][keep] if "tool" in ticks else None,
-        tool_d=ticks["reference"][keep] if "tool" in ticks else None,
-    )
-
-
 def _finish(episodes: EpisodeSet, name: str, recording: Recording, references: References, stamp: str) -> _Finished:
     table = rows(episodes, name, recording, references, stamp)
-    return _Finished(table, _timing(episodes, name, recording), _trace(episodes, name, recording))
+    trace = trace_of(episodes.env_id, name, recording) if episodes.variant == "nominal" else None
+    return _Finished(table, _timing(episodes, name, recording), trace)
 
 
 def _run_references(episodes: EpisodeSet, stamp: str) -> tuple[References, list[_Finished]]:
@@ -121,8 +85,32 @@ def _run_competitor(episodes: EpisodeSet, name: str, references: References, sta
         _, compensator = named_compensator(name)
         recording = episodes.record(compensator, name)
     except (Exception, SystemExit) as error:
-        return _Finished(failed_rows(episodes, name, f"{type(error).__name__}: {error}", stamp), None, None)
+        return _failed(episodes, name, f"{type(error).__name__}: {error}", stamp)
     return _finish(episodes, name, recording, references, stamp)
+
+
+def _failed(episodes: EpisodeSet, name: str, error: str, stamp: str) -> _Finished:
+    return _Finished(failed_rows(episodes, name, error, stamp), None, None)
+
+
+def _parallel(jobs: int) -> Parallel:
+    # Threads inside a worker would fight the other workers for the cores.
+    return Parallel(n_jobs=jobs, return_as="generator", inner_max_num_threads=1)
+
+
+def _run_competitors(pairs: list[_Pair], stamp: str, jobs: int) -> Iterator[_Finished]:
+    """Every pair, in order. A competitor that ends its whole worker process fails alone: the rest is run one by one."""
+    done = 0
+    try:
+        for run in _parallel(jobs)(delayed(_run_competitor)(*pair, stamp) for pair in pairs):
+            yield run
+            done += 1
+    except TerminatedWorkerError:
+        for episodes, name, references in pairs[done:]:
+            try:
+                yield from _parallel(2)([delayed(_run_competitor)(episodes, name, references, stamp)])
+            except TerminatedWorkerError:
+                yield _failed(episodes, name, "it ended the process that it ran in", stamp)
 
 
 def run_protocol(protocol: Protocol, *, jobs: int = 1, on_run: OnRun | None = None) -> Results:
@@ -130,44 +118,34 @@ def run_protocol(protocol: Protocol, *, jobs: int = 1, on_run: OnRun | None = No
 
     Args:
         protocol: what is run.
-        jobs: worker processes; -1 = one per core.
+        jobs: worker processes; -1 = one per core. With 1 everything runs in this process.
         on_run: called with a label after every run, `none` and `ideal` counted as one.
     """
+    announce = on_run or _silence
     sets = [
         EpisodeSet(env_id, variant, protocol.seeds_of(variant), {})
         for env_id in protocol.environments
         for variant in protocol.variants
     ]
     competitors = [name for name in protocol.compensators if name not in BUILT_IN]
-    stamp = protocol.stamp
-    # Threads inside a worker would fight the other workers for the cores.
-    parallel = Parallel(n_jobs=jobs, return_as="generator", inner_max_num_threads=1)
-
-    references: list[References] = []
-    finished: dict[tuple[str, str, str], _Finished] = {}
-    outcome = parallel(delayed(_run_references)(episodes, stamp) for episodes in sets)
-    for episodes, (reference, both) in zip(sets, outcome, strict=True):
-        references.append(reference)
-        for name, run in zip(BUILT_IN, both, strict=True):
-            finished[episodes.env_id, episodes.variant, name] = run
-        if on_run is not None:
-            on_run(f"{episodes.env_id} {episodes.variant}: none, ideal")
-
-    pairs = [
-        (episodes, reference, name)
-        for episodes, reference in zip(sets, references, strict=True)
-        for name in competitors
-    ]
-    runs = parallel(delayed(_run_competitor)(episodes, name, reference, stamp) for episodes, reference, name in pairs)
-    for (episodes, _, name), run in zip(pairs, runs, strict=True):
-        finished[episodes.env_id, episodes.variant, name] = run
-        if on_run is not None:
-            on_run(f"{episodes.env_id} {episodes.variant}: {name}")
-    ordered = [
-        finished[episodes.env_id, episodes.variant, name] for episodes in sets for name in (*BUILT_IN, *competitors)
-    ]
+    finished: list[list[_Finished]] = []
+    pairs: list[_Pair] = []
+    outcome = _parallel(jobs)(delayed(_run_references)(episodes, protocol.stamp) for episodes in sets)
+    for episodes, (references, both) in zip(sets, outcome, strict=True):
+        finished.append(both)
+        pairs += [(episodes, name, references) for name in competitors]
+        announce(f"{episodes.env_id} {episodes.variant}: none, ideal")
+    for place, run in enumerate(_run_competitors(pairs, protocol.stamp, jobs)):
+        episodes, name, _ = pairs[place]
+        finished[place // len(competitors)].append(run)
+        announce(f"{episodes.env_id} {episodes.variant}: {name}")
+    ordered = [run for runs in finished for run in runs]
     return Results(
         episodes=pd.concat([run.rows for run in ordered], ignore_index=True),
         timing=pd.DataFrame([run.timing for run in ordered if run.timing is not None]),
         traces=[run.trace for run in ordered if run.trace is not None],
     )
+
+
+def _silence(label: str) -> None:
+    """Nobody listens."""

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-LEADERBOARD_SEEDS = range(1_000)
-VALIDATION_SEEDS = range(1_000_000, 1_001_000)
-TRAINING_SEEDS = range(2_000_000, 2**31)
+# Small numbers are what everybody types: they are for training.
+TRAINING_SEEDS = range(1_000_000_000)
+VALIDATION_SEEDS = range(1_000_000_000, 1_000_001_000)
+LEADERBOARD_SEEDS = range(2_000_000_000, 2_000_001_000)
 
 __all__ = ["LEADERBOARD_SEEDS", "TRAINING_SEEDS", "VALIDATION_SEEDS", "first"]
 

@@ -121,4 +121,4 @@ def _interquartile_mean(values: Array, axis: int = -1) -> Array:
     weights = np.diff(np.clip(4 * np.arange(count + 1), count, 3 * count))  # shares of 1/(4 n), whole numbers
     lowest = np.min(values, axis=axis, keepdims=True)
     mean: Array = np.squeeze(lowest, axis) + np.average(ordered - lowest, axis=axis, weights=weights)
-    return mean
+    return np.minimum(mean, np.max(values, axis=axis))  # rounding must not carry it past the largest value

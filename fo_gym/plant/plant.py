@@ -14,7 +14,6 @@ from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.plant.robot import Robot
 
 Array = NDArray[np.float64]
-Ids = NDArray[np.intp] | None
 
 DEFAULT_PHYSICS_DT = 2e-4
 

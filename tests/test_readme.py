@@ -1,0 +1,77 @@
+"""The README and the examples do what they say."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import gymnasium as gym
+import pytest
+
+import fo_gym
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+
+
+def run(*arguments: str) -> str:
+    """Standard output of a script of the repository."""
+    done = subprocess.run(
+        [sys.executable, *arguments], cwd=ROOT, capture_output=True, text=True, timeout=120, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_the_table_is_the_published_leaderboard() -> None:
+    program = "import readme_table; print(readme_table.readme_with(readme_table.table()), end='')"
+    assert run("-c", f"import sys; sys.path.insert(0, 'docs'); {program}") == README
+
+
+def test_the_compensator_of_the_readme_is_scored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "mine.py").write_text(BLOCKS[0], encoding="utf-8")
+    assert len(BLOCKS[0].strip().splitlines()) <= 12
+    monkeypatch.chdir(tmp_path)
+    rows = fo_gym.evaluate("mine.py:Mine", "FJRStiction-v0")
+    # It knows the Coulomb friction, but neither stiction nor the bristle.
+    assert 0.8 < rows["frr"][0] < fo_gym.evaluate("pid-high", "FJRStiction-v0")["frr"][0]
+
+
+def test_the_environments_of_the_readme_run() -> None:
+    names: dict[str, object] = {}
+    exec(BLOCKS[1], names)
+    rows, envs = names["rows"], names["envs"]
+    assert len(rows) == 5  # type: ignore[arg-type]
+    assert isinstance(envs, gym.vector.VectorEnv)
+    assert envs.num_envs == 256
+
+
+def test_every_file_that_the_pages_name_exists() -> None:
+    for page in ("README.md", "CONTRIBUTING.md", "envs_assets/README.md"):
+        text = (ROOT / page).read_text(encoding="utf-8")
+        named = re.findall(r"\]\(([^)#:]+)\)", text) + re.findall(
+            r"`((?:fo_gym|baselines|tests|examples)/[\w./]+)`", text
+        )
+        missing = [
+            name for name in named if not (ROOT / name).exists() and not (ROOT / page).parent.joinpath(name).exists()
+        ]
+        assert missing == [], page
+
+
+def test_the_example_of_a_robot() -> None:
+    scores = [float(line.split()[2]) for line in run("examples/own_robot.py").splitlines()]
+    assert scores[0] == 0.0
+    assert 0.5 < scores[1] < scores[2] < 1.0
+
+
+def test_the_example_of_a_compensator() -> None:
+    rows = fo_gym.evaluate(f"{ROOT / 'examples' / 'bang_bang.py'}:BangBang", "FJRStiction-v0")
+    assert rows["status"].tolist() == ["ok"]
+    assert rows["frr"][0] > 0.8
+
+
+def test_the_example_of_training() -> None:
+    assert re.search(r"mean return .* before, .* after 500 steps", run("examples/train_sb3.py", "--steps", "500"))
