@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.control.nominal_motor import NominalMotor
+from fo_gym.envs.pushes import Pushes
 from fo_gym.envs.settings import Settings
 from fo_gym.parameters import JointInfo, per_joint
 from fo_gym.plant import FlexibleJointPlant, PlantState
@@ -87,10 +88,7 @@ class Simulation:
         self.tau_m = np.zeros(shape)
         self.tau_ext = np.zeros(shape)
         self.tau_f = np.zeros(shape)
-        # A pulse per environment; length zero where there is none.
-        self._push_time = np.zeros((num_envs, 1))
-        self._push_duration = np.zeros((num_envs, 1))
-        self._push_torque = np.zeros(shape)
+        self._pushes = Pushes(num_envs, self.dof)
 
     @property
     def observation_size(self) -> int:
@@ -139,10 +137,7 @@ class Simulation:
         self.plant.configure(
             np.array([i]), joints=scenario.joints, friction=scenario.friction, mass_scale=scenario.mass_scale
         )
-        push = scenario.push
-        self._push_time[i] = push.time if push else 0.0
-        self._push_duration[i] = push.duration if push else 0.0
-        self._push_torque[i] = push.torque if push else 0.0
+        self._pushes.set(i, scenario.push)
 
     def _measure(self) -> None:
         """Sample the sensors and the controller at the current ticks."""
@@ -150,15 +145,6 @@ class Simulation:
         self.tau_j = self.plant.tau_j
         motor = self.nominal_motor if self.settings.feedback == "nominal" else self.plant
         self.tau_c = self.control.torque(motor.theta, motor.theta_dot)
-
-    def _external_torque(self) -> Array:
-        """The push in the middle of the coming period, tau sin^2(pi s), s the elapsed share of the pulse."""
-        since = (self.ticks[:, None] + 0.5) * self.settings.control_dt - self._push_time
-        active = (since > 0.0) & (since < self._push_duration)
-        if not active.any():
-            return np.zeros((self.num_envs, self.dof))
-        share = np.divide(since, self._push_duration, out=np.zeros_like(since), where=active)
-        return np.where(active, self._push_torque * np.sin(np.pi * share) ** 2, 0.0)
 
     def step(self, action: Array) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_], dict[int, str]]:
         """Hold `action` (num_envs, dof) for `decimation` control ticks.
@@ -172,7 +158,9 @@ class Simulation:
         reasons: dict[int, str] = {}
         tau_f = np.zeros_like(self.tau_f)
         for _ in range(self.settings.decimation):
-            self.tau_ext = self._external_torque()
+            # A push is sampled in the middle of the period over which it is held.
+            middle = (self.ticks.astype(np.float64) + 0.5) * self.settings.control_dt
+            self.tau_ext = self._pushes.at(middle)
             self.tau_m = self.tau_c - action if self.settings.action_mode == "compensation" else action
             before = self.plant.get_state()
             self.plant.step(self.tau_m, self.tau_ext)
