@@ -42,6 +42,9 @@ def markdown_page(protocol: Protocol, episodes: pd.DataFrame, pictures: list[Pat
         f"episodes ({count} seeds; the nominal variant is one episode, its interval its value), with 95 % bootstrap "
         "intervals. `none` (no compensation) and `ideal` (no friction) are the two references. Verdict: paired "
         'comparison with the best, seed by seed; "tied" where its interval holds zero.\n',
+        "Rest error: over the last second, worst joint. Limit cycle: peak to peak in the task's window with slow creep "
+        "removed, worst joint; on the arm the joints are under-damped and still ring in that window, friction or not, "
+        "so there it is no proof of hunting. `fo-gym list` explains every metric of leaderboard.csv.\n",
         f"Protocol `{protocol.stamp}`; {versions}.\n",
     ]
     for ranking in (summary(leaderboard(episodes)), *rankings(episodes)):
