@@ -1,7 +1,7 @@
 """Train an agent with Stable-Baselines3 on one environment: `python examples/train_sb3.py --steps 20000`.
 
-It needs the extra "rl": pip install 'fo-gym[rl]'. The agent acts at 100 Hz (`decimation`), and sees and acts on scaled
-numbers: the environment itself is in physical units.
+It needs the extra "rl": .venv/bin/pip install -c constraints.txt -e '.[rl]'. The agent acts at 100 Hz (`decimation`),
+and sees and acts on scaled numbers: the environment itself is in physical units.
 """
 
 import argparse

@@ -29,11 +29,8 @@ def _csv(table: pd.DataFrame) -> str:
 
 def markdown_page(protocol: Protocol, episodes: pd.DataFrame, pictures: list[Path]) -> str:
     """The leaderboard as a page: one table per environment and variant, then the figures."""
-    versions = {
-        name.removeprefix("version_"): episodes[name].iloc[0]
-        for name in map(str, episodes)
-        if name.startswith("version_")
-    }
+    stamps = [name for name in map(str, episodes) if name.startswith("version_")]
+    versions = ", ".join(f"{name.removeprefix('version_')} {episodes[name].iloc[0]}" for name in stamps)
     count = len(protocol.seeds_of("randomized"))
     parts = [
         "# Leaderboard\n",
@@ -45,7 +42,8 @@ def markdown_page(protocol: Protocol, episodes: pd.DataFrame, pictures: list[Pat
         "Rest error: over the last second, worst joint. Limit cycle: peak to peak in the task's window with slow creep "
         "removed, worst joint; on the arm the joints are under-damped and still ring in that window, friction or not, "
         "so there it is no proof of hunting. `fo-gym list` explains every metric of leaderboard.csv.\n",
-        f"Protocol `{protocol.stamp}`; {versions}.\n",
+        "The first table is sorted by the mean of its columns.\n",
+        f"Protocol `{protocol.stamp}` (name and hash); {versions}.\n",
     ]
     for ranking in (summary(leaderboard(episodes)), *rankings(episodes)):
         parts += [f"## {ranking.title}\n", markdown(ranking)]

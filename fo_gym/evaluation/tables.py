@@ -61,6 +61,9 @@ def rankings(episodes: pd.DataFrame) -> Iterator[Ranking]:
         ordered = group.sort_values("rank", kind="stable", na_position="last")
         unit = next((unit for unit in ordered["joint_unit"] if unit), "")
         shown = [entry for entry in _SHOWN if ordered[entry[0]].notna().any()]
+        if any(column.endswith("_mm") for column, _, _ in shown):
+            # Where the tool's path is the task, joints may rest anywhere that puts the tool right.
+            shown = [entry for entry in shown if not entry[0].endswith("_ju")]
         headings = [
             "rank",
             "compensator",

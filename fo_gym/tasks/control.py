@@ -136,7 +136,7 @@ def make_control(task: Task, plant: FlexibleJointPlant, gains: PDGains | Impedan
     """
     expected = type(task.gains)
     if not isinstance(gains, expected):
-        raise ValueError(f"gains are {type(gains).__name__}; this task's controller takes {expected.__name__}")
+        raise ValueError(f"gains are {type(gains).__name__}; this task's controller takes {expected.__name__}(...)")
     if isinstance(gains, ImpedanceGains):
         return PathControl(task, plant, gains)
     return StepControl(task, plant, gains)
