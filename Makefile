@@ -7,13 +7,16 @@ BIN := $(VENV)/bin
 # Only what draws asks for OpenGL: importing MuJoCo with "egl" fails where there is no libEGL.
 test docs: export MUJOCO_GL ?= egl
 
-.PHONY: leaderboard quick test check docs clean help
+.PHONY: leaderboard quick reproduce test check docs clean help
 
 leaderboard: $(VENV)/.run  ## score everybody, write leaderboard/ (a few minutes on two cores)
 	$(BIN)/fo-gym leaderboard --out leaderboard
 
 quick: $(VENV)/.run  ## the small protocol, to build/quick
 	$(BIN)/fo-gym leaderboard --quick --out build/quick
+
+reproduce: $(VENV)/.reproduce  ## the paper's figures and claims, and the certificate of the physics, to leaderboard/
+	$(BIN)/fo-gym reproduce --out leaderboard
 
 test: $(VENV)/.dev system  ## run the tests
 	$(BIN)/python -m pytest -n 2 --dist loadgroup
@@ -42,9 +45,14 @@ $(VENV)/.run: $(VENV)/.base pyproject.toml
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable .
 	touch $@
 
-$(VENV)/.dev: $(VENV)/.run
+$(VENV)/.reproduce: $(VENV)/.run
+	@echo "installing what the certificate needs into $(VENV)"
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[reproduce]'
+	touch $@
+
+$(VENV)/.dev: $(VENV)/.reproduce
 	@echo "installing what the tests need into $(VENV)"
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev,rl]'
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev,reproduce,rl]'
 	touch $@
 
 clean:  ## remove the virtual environment and everything built

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from joint import PAPER, H, Joint
-from reference import lugre
 from scipy.integrate import odeint
 
 from fo_gym.parameters import LuGre
 from fo_gym.plant.kernel import bristle_rate, bristle_step
+from fo_gym.reproduction.reference import lugre
 
 
 def presliding_force(t: float) -> float:

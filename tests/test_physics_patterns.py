@@ -5,84 +5,42 @@ Nominal variant, control at 1 kHz. Competitors that share a feedback run in one 
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
-from typing import NamedTuple
-
 import numpy as np
 import pytest
 
 import fo_gym
-from fo_gym.evaluation.recording import Recording, record
+from fo_gym.compensators import NoCompensation
+from fo_gym.parameters import FRICTIONLESS
+from fo_gym.reproduction.runs import PAPER
+from fo_gym.reproduction.team import run_team
 
 pytestmark = pytest.mark.xdist_group("patterns")
 
 STICTION_ID, REGULATION_ID, SQUARE_ID = fo_gym.ENVIRONMENTS
-NOMINAL = ("pid-low", "pid-high", "pd-low", "pd-high")
-MEASURED = ("none", "letien-low", "letien-high")
-PAPERS = (*NOMINAL, "letien-low", "letien-high")
 
 
-class Team:
-    """Several compensators with the same feedback, each in charge of one row of the batch."""
-
-    def __init__(self, names):
-        self.members = [fo_gym.make_compensator(name) for name in names]
-        (self.feedback,) = {member.feedback for member in self.members}
-
-    def reset(self, joints, num_envs):
-        for i, member in enumerate(self.members):
-            rows = {name: getattr(joints, name)[[i]] for name in ("motor_inertia", "stiffness", "torque_limit")}
-            member.reset(replace(joints, **rows), 1)
-
-    def estimate(self, signals):
-        arrays = [field.name for field in fields(signals) if field.name != "available"]
-        rows = [{name: getattr(signals, name)[[i]] for name in arrays} for i in range(len(self.members))]
-        return np.concatenate(
-            [member.estimate(fo_gym.Signals(**row)) for member, row in zip(self.members, rows, strict=True)]
-        )
-
-
-class Run(NamedTuple):
-    """Where one competitor's recording is."""
-
-    recording: Recording
-    row: int
-
-    def tick(self, name, joint=0):
-        return self.recording.ticks[name][:, self.row, joint]
-
-    def period(self, name, joint=0):
-        return self.recording.periods[name][:, self.row, joint]
-
-
-def runs_of(env_id, *teams):
-    """One run per name; nobody's episode ends early."""
-    runs = {}
-    for names in teams:
-        recording = record(Team(names), "team", env_id, "nominal", [0] * len(names), {})
-        assert set(recording.terminations) == {""}
-        runs |= {name: Run(recording, row) for row, name in enumerate(names)}
-    return runs
+def runs_of(env_id, *names):
+    return run_team({name: fo_gym.make_compensator(name) for name in names}, env_id)
 
 
 @pytest.fixture(scope="module")
 def stiction():
-    return runs_of(STICTION_ID, NOMINAL, MEASURED)
+    return runs_of(STICTION_ID, "none", *PAPER)
 
 
 @pytest.fixture(scope="module")
 def regulation():
-    return runs_of(REGULATION_ID, ("pd-low",), ("letien-low", "letien-high"))
+    return runs_of(REGULATION_ID, "pd-low", "letien-low", "letien-high")
 
 
 @pytest.fixture(scope="module")
 def rejected():
     """Share of friction's effect on the square's tool path that each competitor undoes: FRR."""
-    runs = runs_of(SQUARE_ID, NOMINAL, MEASURED)
-    tools = {name: run.recording.ticks["tool"][:, run.row] for name, run in runs.items()}
-    ideal = record(fo_gym.make_compensator("ideal"), "ideal", SQUARE_ID, "nominal", [0], {}).ticks["tool"][:, 0]
+    runs = runs_of(SQUARE_ID, "none", *PAPER)
+    tools = {name: run.tool() for name, run in runs.items()}
+    ideal = run_team({"ideal": NoCompensation()}, SQUARE_ID, friction=FRICTIONLESS)["ideal"].tool()
     rms = {name: np.sqrt(np.square(tool - ideal).sum(axis=1).mean()) for name, tool in tools.items()}
-    return {name: 1.0 - rms[name] / rms["none"] for name in PAPERS}
+    return {name: 1.0 - rms[name] / rms["none"] for name in PAPER}
 
 
 def error_at_rest(run):

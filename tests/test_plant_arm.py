@@ -1,18 +1,17 @@
-"""The plant on the seven-joint arm against SciPy: link accelerations from MuJoCo's forward dynamics alone."""
+"""The plant on the seven-joint arm against SciPy: link accelerations from Pinocchio."""
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-from reference import Arm, Control, sampled
 
+from envs_assets import asset_path
 from fo_gym.parameters import FRICTIONLESS, FlexibleJoint, LuGre
 from fo_gym.plant import FlexibleJointPlant, Robot
+from fo_gym.plant.robot import home_pose, load_model
+from fo_gym.reproduction.reference import Arm, Control, sampled
 
-PATH = Path(__file__).parents[1] / "envs_assets" / "miro_like.xml"
-ROBOT = Robot(PATH, tuple(f"joint{i}" for i in range(1, 8)))
+ROBOT = Robot(asset_path("miro_like"), tuple(f"joint{i}" for i in range(1, 8)))
 
 INERTIA = np.array([1.0, 1.0, 0.6, 0.6, 0.3, 0.2, 0.2])
 COULOMB = np.array([3.0, 3.0, 2.0, 2.0, 1.0, 0.8, 0.8])
@@ -57,12 +56,12 @@ def rest(arm: Arm, home: np.ndarray) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def arm() -> Arm:
-    return Arm(PATH, JOINTS, FRICTION)
+    return Arm(load_model(ROBOT), JOINTS, FRICTION)
 
 
 @pytest.fixture(scope="module")
-def home(arm: Arm) -> np.ndarray:
-    return np.array(arm.model.key("home").qpos)
+def home() -> np.ndarray:
+    return home_pose(ROBOT)
 
 
 def pushes() -> np.ndarray:

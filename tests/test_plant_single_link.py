@@ -8,10 +8,11 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from reference import SLIDER, Control, SingleLink, continuous, sampled
 
+from envs_assets import asset_path
 from fo_gym.parameters import FRICTIONLESS, FlexibleJoint, LuGre
 from fo_gym.plant import FlexibleJointPlant, Robot
+from fo_gym.reproduction.reference import Control, SingleLink, continuous, sampled
 
 JOINT = FlexibleJoint(stiffness=3000.0, damping=0.0, motor_inertia=1.0, torque_limit=100.0)
 PAPER = LuGre(sigma_0=1e5, sigma_1=1e5**0.5, sigma_2=0.4, f_c=1.0, f_s=1.5, v_s=1e-3)
@@ -36,10 +37,9 @@ STILL = np.zeros((TICKS, 1))
 
 
 @pytest.fixture(scope="module")
-def slider(tmp_path_factory: pytest.TempPathFactory) -> Robot:
-    path = tmp_path_factory.mktemp("robots") / "slider.xml"
-    path.write_text(SLIDER)
-    return Robot(path, ("slide",))
+def slider() -> Robot:
+    """The single link: 1 kg on a slide, without gravity along it."""
+    return Robot(asset_path("single_link"), ("joint",))
 
 
 def link_of(name: str, damping: float = 0.0) -> SingleLink:

@@ -35,7 +35,7 @@ def test_state_is_a_copy(pendulum: MakeRobot) -> None:
     drive(plant, 5)
     plant.set_state(kept)
     drive(plant, 5)
-    for name in ("q", "q_dot", "theta", "theta_dot", "z", "time"):
+    for name in ("q", "q_dot", "theta", "theta_dot", "z", "q_dot_before", "time"):
         np.testing.assert_array_equal(getattr(kept, name), getattr(before, name))
 
 
@@ -54,7 +54,7 @@ def test_copies_continue_exactly(pendulum: MakeRobot, duplicate: Callable[[Any],
     np.testing.assert_array_equal(drive(again, 5, start=400), drive(plant, 5, start=400))
 
 
-@pytest.mark.parametrize("name", ["q", "q_dot", "theta", "theta_dot", "z"])
+@pytest.mark.parametrize("name", ["q", "q_dot", "theta", "theta_dot", "z", "q_dot_before"])
 def test_state_of_another_shape_is_refused(pendulum: MakeRobot, name: str) -> None:
     plant = plant_of(pendulum(), num_envs=2)
     with pytest.raises(ValueError, match=rf"PlantState\.{name} .*\(3, 2\)"):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,36 +13,12 @@ from fo_gym.parameters import FlexibleJoint, LuGre, per_joint
 from fo_gym.plant.kernel import PARAMETERS, STATE, advance
 from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.plant.robot import Robot
+from fo_gym.plant.steps import check_steps, micro_steps
+from fo_gym.plant.twin import twin_model
 
 Array = NDArray[np.float64]
 
-DEFAULT_PHYSICS_DT = 2e-4
-
-__all__ = ["FlexibleJointPlant", "PlantState", "micro_steps"]
-
-
-def micro_steps(control_dt: float, physics_dt: float | None) -> int:
-    """Number of micro-steps in a control period.
-
-    Args:
-        control_dt: control period [s], above 0.
-        physics_dt: micro-step [s]; None means min(2e-4, control_dt).
-
-    Raises:
-        ValueError: a period is not positive, or physics_dt does not divide control_dt (judged to 1e-9).
-    """
-    if not (np.isfinite(control_dt) and control_dt > 0):
-        raise ValueError(f"control_dt is {control_dt} s; it must be finite and above 0")
-    if physics_dt is None:
-        # The default adapts where 2e-4 does not divide: the largest step below it that does.
-        return max(1, int(np.ceil(control_dt / DEFAULT_PHYSICS_DT - 1e-9)))
-    if not (np.isfinite(physics_dt) and physics_dt > 0):
-        raise ValueError(f"physics_dt is {physics_dt} s; it must be finite and above 0")
-    steps = round(control_dt / physics_dt)
-    if steps < 1 or abs(steps * physics_dt - control_dt) > 1e-9:
-        nearest = control_dt / max(1, steps)
-        raise ValueError(f"physics_dt {physics_dt} s does not divide control_dt {control_dt} s; {nearest:.9g} s would")
-    return steps
+__all__ = ["FlexibleJointPlant", "PlantState"]
 
 
 @dataclass
@@ -52,6 +29,7 @@ class PlantState:
         q, q_dot: links, (num_envs, dof), ju and ju/s.
         theta, theta_dot: motors, (num_envs, dof), ju and ju/s.
         z: bristle deflections, (num_envs, dof), ju.
+        q_dot_before: link velocities one control period ago, (num_envs, dof), ju/s.
         time: (num_envs,), s.
     """
 
@@ -60,6 +38,7 @@ class PlantState:
     theta: Array
     theta_dot: Array
     z: Array
+    q_dot_before: Array
     time: Array
 
 
@@ -70,7 +49,8 @@ class FlexibleJointPlant:
         B theta'' + tau_j            = tau_m + tau_f
         tau_j = K_j (theta - q) + D_j (theta' - q')
 
-    M and the bias are evaluated once per control period, at the predicted middle configuration q + q' dt/2.
+    M and the bias are evaluated once per control period, at the predicted middle of the period: configuration
+    q + q' dt/2 and velocity q' + (q' - q'_before)/2, extrapolated from the period before.
 
     Args:
         robot: the link side.
@@ -103,6 +83,7 @@ class FlexibleJointPlant:
         shape = (num_envs, robot.dof)
         self._parameters = np.empty((*shape, len(PARAMETERS)))
         self._state = np.zeros((len(STATE), *shape))
+        self._q_dot_before = np.zeros(shape)
         self._ticks = np.zeros(num_envs, dtype=np.int64)
         self.q, self.q_dot, self.theta, self.theta_dot, self.z = self._state
         self.tau_f = np.zeros(shape)
@@ -148,46 +129,33 @@ class FlexibleJointPlant:
             ValueError: the micro-step is too long for the fastest joint there.
         """
         q = np.broadcast_to(np.asarray(q, dtype=np.float64), (len(ids), self.robot.dof))
-        self._check_steps(ids, q)
+        check_steps(
+            self.robot.joints,
+            mobility=np.diagonal(np.linalg.inv(self.body.dense_inertia(q, ids)), axis1=1, axis2=2),
+            motor_inertia=self.motor_inertia[ids],
+            stiffness=self.stiffness[ids],
+            damping=self.damping[ids],
+            file_damping=self.body.model.dof_damping,
+            physics_dt=self.physics_dt,
+            control_dt=self.control_dt,
+        )
         self._state[:, ids] = 0.0
+        self._q_dot_before[ids] = 0.0
         self.q[ids] = q
         self.theta[ids] = q + self.body.gravity(q, ids) / self.stiffness[ids]
         self.tau_f[ids] = 0.0
         self._ticks[ids] = 0
 
-    def _check_steps(self, ids: NDArray[np.intp], q: Array) -> None:
-        """Refuse what the step cannot follow, with the numbers.
-
-        The splitting is stable for h omega < 2; half of that keeps a margin for other poses, and accuracy. The two
-        sweeps of the kick settle the springs' damping to 1e-6 where h D_j (1/B + (M^-1)_jj) is below 0.2. The file's
-        own dampers are held over a control period, so that they must be slower than it.
-        """
-        links = np.diagonal(np.linalg.inv(self.body.dense_inertia(q, ids)), axis1=1, axis2=2)
-        both = 1.0 / self.motor_inertia[ids] + links
-        damping = self._parameters[ids, :, PARAMETERS.index("damping")]
-        h, control_dt = ("physics_dt", self.physics_dt), ("control_dt", self.control_dt)
-        omega = np.sqrt(self.stiffness[ids] * both)
-        self._refuse_long(h, omega, 1.0, "its fastest mode, sqrt(K_j (1/B + (M^-1)_jj))")
-        self._refuse_long(h, damping * both, 0.2, "its spring's damping, D_j (1/B + (M^-1)_jj)")
-        self._refuse_long(control_dt, self.body.model.dof_damping * links, 1.0, "the file's own damping / M_jj")
-
-    def _refuse_long(self, period: tuple[str, float], rates: Array, limit: float, what: str) -> None:
-        """Raise ValueError where a period [s] times a rate (n, dof) [1/s] is above `limit`."""
-        name, dt = period
-        worst = np.unravel_index(rates.argmax(), rates.shape)
-        if not dt * rates[worst] <= limit:
-            joint = self.robot.joints[int(worst[1])]
-            raise ValueError(
-                f"{name} {dt:.3g} s is too long for joint {joint!r}: {what} is {rates[worst]:.4g} 1/s; "
-                f"use a {name} of at most {0.99 * limit / rates[worst]:.3g} s, a softer spring or more inertia"
-            )
+    @property
+    def damping(self) -> Array:
+        """D_j of every joint, (num_envs, dof), N s/m or N m s/rad."""
+        return self._parameters[..., PARAMETERS.index("damping")]
 
     @property
     def tau_j(self) -> Array:
         """What the torque sensors measure, K_j (theta - q) + D_j (theta' - q'), (num_envs, dof), N or N m."""
-        damping = self._parameters[..., PARAMETERS.index("damping")]
         spring: Array = self.stiffness * (self.theta - self.q)
-        return spring + damping * (self.theta_dot - self.q_dot)
+        return spring + self.damping * (self.theta_dot - self.q_dot)
 
     def step(self, tau_m: Array, tau_ext: Array) -> None:
         """Advance one control period with motor and external torques held, (num_envs, dof) each, N or N m.
@@ -199,7 +167,8 @@ class FlexibleJointPlant:
             if torque.shape != self.q.shape:
                 raise ValueError(f"{name} has shape {torque.shape}; this plant needs {self.q.shape}")
         middle = self.q + (0.5 * self.control_dt) * self.q_dot
-        inertia, bias = self.body.dynamics(middle, self.q_dot)
+        inertia, bias = self.body.dynamics(middle, 1.5 * self.q_dot - 0.5 * self._q_dot_before)
+        self._q_dot_before[:] = self.q_dot
         layout = self.body.layout
         load = tau_ext - bias
         advance(self._state, tau_m, load, inertia, *layout, self._parameters, self.physics_dt, self.steps, self.tau_f)
@@ -214,12 +183,13 @@ class FlexibleJointPlant:
         """Put environment i alone back to where it was in `state`."""
         for row, name in enumerate(STATE):
             self._state[row, i] = getattr(state, name)[i]
+        self._q_dot_before[i] = state.q_dot_before[i]
         self.tau_f[i] = 0.0
 
     def get_state(self) -> PlantState:
         """A copy of the full state."""
         q, q_dot, theta, theta_dot, z = self._state.copy()
-        return PlantState(q, q_dot, theta, theta_dot, z, self.time)
+        return PlantState(q, q_dot, theta, theta_dot, z, self._q_dot_before.copy(), self.time)
 
     def set_state(self, state: PlantState) -> None:
         """Continue from a copy of `state`, exactly.
@@ -227,10 +197,35 @@ class FlexibleJointPlant:
         Raises:
             ValueError: an array has the wrong shape.
         """
-        for row, name in enumerate(STATE):
+        for name, own in zip((*STATE, "q_dot_before"), (*self._state, self._q_dot_before), strict=True):
             value = np.asarray(getattr(state, name))
-            if value.shape != self._state[row].shape:
-                needed = self._state[row].shape
-                raise ValueError(f"PlantState.{name} has shape {value.shape}; this plant needs {needed}")
-            self._state[row] = value
+            if value.shape != own.shape:
+                raise ValueError(f"PlantState.{name} has shape {value.shape}; this plant needs {own.shape}")
+            own[:] = value
         self._ticks[:] = np.rint(np.asarray(state.time) / self.control_dt).astype(np.int64)
+
+    def to_mujoco(
+        self, env: int = 0, *, timestep: float = 1e-4, integrator: str = "implicitfast"
+    ) -> tuple[mujoco.MjModel, mujoco.MjData]:
+        """The twin: environment `env`, motors, springs and friction included, wholly in MuJoCo, in its present state.
+
+        Open it with `mujoco.viewer.launch(*plant.to_mujoco())`; see `twin_model` for its names. Controls are tau_m,
+        external torques go to `data.qfrc_applied`, friction is the force of the actuators "<joint>_friction".
+
+        Args:
+            env: which environment.
+            timestep: MuJoCo's step [s].
+            integrator: "euler", "implicit", "implicitfast" or "rk4".
+
+        Raises:
+            ValueError: no such integrator, or a time step that is not above 0.
+        """
+        values = dict(zip(PARAMETERS, self._parameters[env].T, strict=True))
+        model = twin_model(self.robot, values, self.body.mass_scale[env], timestep, integrator)
+        data = mujoco.MjData(model)
+        data.qpos[:] = np.concatenate([self.q[env], self.theta[env]])
+        data.qvel[:] = np.concatenate([self.q_dot[env], self.theta_dot[env]])
+        data.act[:] = self.z[env, values["sigma_0"] > 0.0]
+        data.time = self.time[env]
+        mujoco.mj_forward(model, data)
+        return model, data

@@ -42,13 +42,14 @@ class RigidBody:
     Attributes:
         robot: what was loaded.
         model: the compiled MuJoCo model.
+        mass_scale: factor on the masses of each environment, (num_envs,).
     """
 
     def __init__(self, robot: Robot, num_envs: int) -> None:
         self.robot = robot
         self.num_envs = num_envs
         self.model = load_model(robot)
-        self._mass_scale = np.ones(num_envs)
+        self.mass_scale = np.ones(num_envs)
         self._make_batch()
 
     def _make_batch(self) -> None:
@@ -65,11 +66,11 @@ class RigidBody:
             self._tool_rotation = self._batch.bind("site_xmat")[:, site.id].reshape(-1, 3, 3)
         self._mass = self._batch.expand("body_mass")
         self._body_inertia = self._batch.expand("body_inertia")
-        self.scale_mass(self._mass_scale)
+        self.scale_mass(self.mass_scale)
 
     def __getstate__(self) -> dict[str, Any]:
         # A Batch owns threads and cannot be pickled; it is rebuilt from what defines it.
-        return {"robot": self.robot, "num_envs": self.num_envs, "model": self.model, "_mass_scale": self._mass_scale}
+        return {"robot": self.robot, "num_envs": self.num_envs, "model": self.model, "mass_scale": self.mass_scale}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
@@ -89,9 +90,9 @@ class RigidBody:
         if not np.all(np.isfinite(scale) & (np.asarray(scale) > 0)):
             raise ValueError(f"mass scale is {scale}; it must be finite and above 0")
         rows = slice(None) if ids is None else ids
-        self._mass_scale[rows] = scale
-        self._mass[rows] = self.model.body_mass * self._mass_scale[rows, None]
-        self._body_inertia[rows] = self.model.body_inertia * self._mass_scale[rows, None, None]
+        self.mass_scale[rows] = scale
+        self._mass[rows] = self.model.body_mass * self.mass_scale[rows, None]
+        self._body_inertia[rows] = self.model.body_inertia * self.mass_scale[rows, None, None]
         self._batch.set_const(ids)
 
     def _forward(self, q: Array, q_dot: Array | float, ids: Ids) -> Any:

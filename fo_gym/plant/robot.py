@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Robot", "home_pose", "load_model"]
+__all__ = ["Robot", "home_pose", "load_model", "switch_off_constraints"]
 
 
 @dataclass(frozen=True)
@@ -58,9 +58,14 @@ def load_model(robot: Robot) -> mujoco.MjModel:
         raise ValueError(f"{robot.path}: remove frictionloss; friction is given as LuGre parameters")
     if robot.tool is not None:
         model.site(robot.tool)  # raises KeyError, naming the sites there are
+    switch_off_constraints(model)
+    return model
+
+
+def switch_off_constraints(model: mujoco.MjModel) -> None:
+    """No contacts and no constraints, in place."""
     off = mujoco.mjtDisableBit.mjDSBL_CONSTRAINT | mujoco.mjtDisableBit.mjDSBL_CONTACT
     model.opt.disableflags |= int(off)
-    return model
 
 
 def home_pose(robot: Robot) -> NDArray[np.float64]:

@@ -1,6 +1,7 @@
-"""The equations of joints, friction and observers, solved by SciPy: what the tests hold the plant against.
+"""The equations of joints, friction and observers, solved by SciPy: what the plant is held against.
 
-Written from the equations alone; nothing here comes from the package. Parameters are read by attribute name
+Written from the equations alone: nothing here comes from the rest of the package, and the rigid body is Pinocchio's,
+not MuJoCo's. Parameters are read by attribute name
 (stiffness, damping, motor_inertia; sigma_0, sigma_1, sigma_2, f_c, f_s, v_s), so that any holder of them will do.
 
     M(q) q'' + C(q,q') q' + g(q) = tau_j + tau_ext          z' = v - sigma_0 |v| / g(v) z,   v = theta'
@@ -15,29 +16,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import mujoco
 import numpy as np
+import pinocchio
+from numpy.typing import NDArray
 from scipy.integrate import odeint, solve_ivp
 
+Array = NDArray[np.float64]
+
 RTOL, ATOL = 1e-10, 1e-13
-"""Of every run unless a test says otherwise; `test_reference_is_converged` shows what they are worth."""
-
-
-SLIDER = """
-<mujoco model="slider">
-  <option gravity="0 0 0"/>
-  <worldbody>
-    <body name="carriage">
-      <joint name="slide" type="slide" axis="1 0 0"/>
-      <inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
-    </body>
-  </worldbody>
-</mujoco>
-"""
-"""The single link: 1 kg on a slide, without gravity."""
+"""Tolerances of every run unless it says otherwise; two other families of solvers agree with it far below what the
+plant is allowed (tests/test_plant_*.py, `test_reference_is_converged`)."""
 
 
 def lugre(v: Any, z: Any, friction: Any, exp: Callable[[Any], Any] = math.exp) -> tuple[Any, Any]:
@@ -56,7 +47,8 @@ class SingleLink:
     friction: Any
     mass: float = 1.0
 
-    def rates(self, _: float, state: np.ndarray, tau_m: np.ndarray, tau_ext: np.ndarray) -> list[float]:
+    def rates(self, _: float, state: Array, tau_m: Any, tau_ext: Any) -> list[float]:
+        """Rates of the five numbers of the state under held torques."""
         q, w, theta, v, z = state.tolist()
         z_rate, tau_f = lugre(v, z, self.friction)
         tau_j = self.joint.stiffness * (theta - q) + self.joint.damping * (v - w)
@@ -65,31 +57,70 @@ class SingleLink:
 
 
 class Arm:
-    """A multibody arm: link accelerations from MuJoCo's forward dynamics, motors and bristles from the equations."""
+    """A multibody arm: link accelerations from Pinocchio, motors and bristles from the equations.
 
-    def __init__(self, path: Path, joint: Any, friction: Any) -> None:
+    Args:
+        robot: MuJoCo's compiled model, read for masses and geometry only: the dynamics are Pinocchio's.
+        joint, friction: parameters, scalars or (dof,).
+    """
+
+    def __init__(self, robot: mujoco.MjModel, joint: Any, friction: Any) -> None:
         self.joint, self.friction = joint, friction
-        self.model = mujoco.MjModel.from_xml_path(str(path))
-        off = mujoco.mjtDisableBit.mjDSBL_CONSTRAINT | mujoco.mjtDisableBit.mjDSBL_CONTACT
-        self.model.opt.disableflags |= int(off)
-        self.data = mujoco.MjData(self.model)
+        self.model = pinocchio_model(robot)
+        self._data = self.model.createData()
 
-    def acceleration(self, q: np.ndarray, w: np.ndarray, torque: np.ndarray) -> np.ndarray:
-        self.data.qpos[:], self.data.qvel[:], self.data.qfrc_applied[:] = q, w, torque
-        mujoco.mj_forward(self.model, self.data)
-        return self.data.qacc
+    def acceleration(self, q: Array, w: Array, torque: Array) -> Array:
+        """Link accelerations, (dof,)."""
+        return pinocchio.aba(self.model, self._data, q, w, torque)
 
-    def gravity(self, q: np.ndarray) -> np.ndarray:
-        """Torque on the joints that holds the links still at q."""
-        self.acceleration(q, np.zeros_like(q), np.zeros_like(q))
-        return self.data.qfrc_bias.copy()
+    def gravity(self, q: Array) -> Array:
+        """Torque on the joints that holds the links still at q, (dof,)."""
+        return pinocchio.computeGeneralizedGravity(self.model, self._data, q)
 
-    def rates(self, _: float, state: np.ndarray, tau_m: np.ndarray, tau_ext: np.ndarray) -> np.ndarray:
+    def energy(self, q: Array, w: Array) -> float:
+        """Kinetic and potential energy of the links [J]."""
+        return float(pinocchio.computeMechanicalEnergy(self.model, self._data, q, w))
+
+    def rates(self, _: float, state: Array, tau_m: Array, tau_ext: Array) -> Array:
+        """Rates of the five rows of the state, flat, under held torques (dof,)."""
         q, w, theta, v, z = state.reshape(5, -1)
         z_rate, tau_f = lugre(v, z, self.friction, np.exp)
         tau_j = self.joint.stiffness * (theta - q) + self.joint.damping * (v - w)
         w_rate = self.acceleration(q, w, tau_j + tau_ext)
         return np.concatenate([w, w_rate, v, (tau_m + tau_f - tau_j) / self.joint.motor_inertia, z_rate])
+
+
+def pinocchio_model(robot: mujoco.MjModel) -> Any:
+    """The links as a Pinocchio model, joints in the same order.
+
+    Raises:
+        ValueError: a body has several joints.
+    """
+    model = pinocchio.Model()
+    model.gravity.linear = robot.opt.gravity
+    place = {0: (0, pinocchio.SE3.Identity())}  # of every body: its Pinocchio joint, and its frame in that joint's
+    for body in range(1, robot.nbody):
+        if robot.body_jntnum[body] > 1:
+            raise ValueError(f"body {robot.body(body).name!r} has several joints; give each a body of its own")
+        parent, frame = place[int(robot.body_parentid[body])]
+        frame = frame * _frame(robot.body_pos[body], robot.body_quat[body])
+        if robot.body_jntnum[body]:
+            joint = int(robot.body_jntadr[body])
+            anchor = pinocchio.SE3(np.eye(3), robot.jnt_pos[joint])
+            hinge = robot.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE
+            kind = pinocchio.JointModelRevoluteUnaligned if hinge else pinocchio.JointModelPrismaticUnaligned
+            parent = model.addJoint(parent, kind(robot.jnt_axis[joint]), frame * anchor, robot.joint(joint).name)
+            frame = anchor.inverse()
+        inertia = pinocchio.Inertia(robot.body_mass[body], np.zeros(3), np.diag(robot.body_inertia[body]))
+        model.appendBodyToJoint(parent, inertia, frame * _frame(robot.body_ipos[body], robot.body_iquat[body]))
+        place[body] = parent, frame
+    return model
+
+
+def _frame(position: Array, quaternion: Array) -> Any:
+    """A frame from MuJoCo's position and quaternion (w, x, y, z)."""
+    w, x, y, z = quaternion
+    return pinocchio.SE3(pinocchio.Quaternion(w, x, y, z).matrix(), position)
 
 
 @dataclass
@@ -133,13 +164,13 @@ class Control:
 def sampled(
     plant: SingleLink | Arm,
     control: Control,
-    start: np.ndarray,
-    tau_ext: np.ndarray,
+    start: Array,
+    tau_ext: Array,
     *,
     method: str = "LSODA",
     rtol: float = RTOL,
     atol: float = ATOL,
-) -> np.ndarray:
+) -> Array:
     """States at the ticks, (periods + 1, 5, dof), under sampled control; both torques held, `tau_ext` (periods, dof).
 
     Every control period is an integration of its own, so that no step of the solver crosses a jump of the torque.
@@ -155,7 +186,9 @@ def sampled(
     return np.array(history)
 
 
-def _period(plant: Any, state: np.ndarray, held: tuple, dt: float, method: str, rtol: float, atol: float) -> np.ndarray:
+def _period(
+    plant: Any, state: Array, held: tuple[Array, Array], dt: float, method: Any, rtol: float, atol: float
+) -> Array:
     x = state.ravel()
     if method == "LSODA":  # `odeint` is the same code as solve_ivp's LSODA, with a loop that is not in Python
         end = odeint(plant.rates, x, [0.0, dt], args=held, rtol=rtol, atol=atol, tfirst=True, tcrit=[dt])[-1]
@@ -166,11 +199,11 @@ def _period(plant: Any, state: np.ndarray, held: tuple, dt: float, method: str, 
     return end.reshape(state.shape)
 
 
-def continuous(plant: SingleLink, gains: Control, times: np.ndarray, rtol: float = 1e-9) -> np.ndarray:
+def continuous(plant: SingleLink, gains: Control, times: Array, rtol: float = 1e-9) -> Array:
     """Motor angle at `times` under continuous-time control from rest, (len(times),); `gains.dt` plays no part."""
     B = gains.motor_inertia
 
-    def rates(t: float, x: np.ndarray) -> list[float]:
+    def rates(t: float, x: Array) -> list[float]:
         q, w, theta, v, _, theta_n, w_n, integral = x.tolist()
         e, e_rate = theta_n - theta, w_n - v
         position, velocity = (theta_n, w_n) if gains.nominal else (theta, v)
@@ -182,10 +215,3 @@ def continuous(plant: SingleLink, gains: Control, times: np.ndarray, rtol: float
 
     solution = odeint(rates, np.zeros(8), times, rtol=rtol, atol=1e-3 * rtol, tfirst=True, mxstep=100_000)
     return solution[:, 2]
-
-
-def dense_inertia(arm: Arm, q: np.ndarray) -> np.ndarray:
-    """M(q) column by column: a unit torque's acceleration less none's is a column of its inverse."""
-    still = np.zeros_like(q)
-    free = arm.acceleration(q, still, still).copy()
-    return np.linalg.inv(np.array([arm.acceleration(q, still, unit) - free for unit in np.eye(len(q))]).T)

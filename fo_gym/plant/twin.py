@@ -1,0 +1,102 @@
+"""The twin: the same flexible joints wholly in MuJoCo, to check the plant against and to open in MuJoCo's viewer."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from fo_gym.plant.robot import Robot, switch_off_constraints
+
+Array = NDArray[np.float64]
+
+INTEGRATORS = {
+    "euler": mujoco.mjtIntegrator.mjINT_EULER,
+    "implicit": mujoco.mjtIntegrator.mjINT_IMPLICIT,
+    "implicitfast": mujoco.mjtIntegrator.mjINT_IMPLICITFAST,
+    "rk4": mujoco.mjtIntegrator.mjINT_RK4,
+}
+
+__all__ = ["INTEGRATORS", "twin_model"]
+
+
+def twin_model(
+    robot: Robot, values: Mapping[str, Array], mass_scale: float, timestep: float, integrator: str
+) -> mujoco.MjModel:
+    """The robot with a motor, a spring and LuGre friction at every joint, as one MuJoCo model.
+
+    Every motor is a body of inertia B fixed to the world at a joint "<joint>_motor", so that the links do not carry
+    it; a fixed tendon "<joint>_spring" is K_j and D_j; the passive DC motor "<joint>_friction" is the bristle, whose
+    deflection z is its activation; the actuator "<joint>_motor" takes tau_m as its control.
+
+    Args:
+        robot: the link side.
+        values: for each of the kernel's PARAMETERS an array of one value per joint.
+        mass_scale: factor on the masses of the file.
+        timestep: MuJoCo's step [s]. Its bristles hold a stuck joint only for steps below sigma_1 / sigma_0.
+        integrator: one of INTEGRATORS.
+
+    Raises:
+        ValueError: the time step is not above 0, or there is no such integrator.
+    """
+    if not (np.isfinite(timestep) and timestep > 0):
+        raise ValueError(f"timestep is {timestep} s; it must be finite and above 0")
+    if integrator not in INTEGRATORS:
+        raise ValueError(f"integrator is {integrator!r}; allowed are {', '.join(map(repr, INTEGRATORS))}")
+    spec = mujoco.MjSpec.from_file(str(robot.path))
+    for key in spec.keys:
+        spec.delete(key)  # poses of the links alone, too short for links and motors
+    for j, name in enumerate(robot.joints):
+        _add_motor(spec, name, j, {field: float(value[j]) for field, value in values.items()})
+    model = spec.compile()
+    model.body_mass[: model.nbody - robot.dof] *= mass_scale
+    model.body_inertia[: model.nbody - robot.dof] *= mass_scale
+    model.opt.timestep = timestep
+    model.opt.integrator = INTEGRATORS[integrator]
+    switch_off_constraints(model)
+    mujoco.mj_setConst(model, mujoco.MjData(model))
+    return model
+
+
+def _add_motor(spec: mujoco.MjSpec, name: str, place: int, p: dict[str, float]) -> None:
+    """Motor, spring and friction of one joint; p holds its PARAMETERS."""
+    link = spec.joint(name)
+    inertia = p["motor_inertia"]
+    # A joint made here would inherit the file's defaults (range, damping, armature, ...): all that matters is set.
+    body = spec.worldbody.add_body(
+        name=f"{name}_motor",
+        pos=[-0.4, 0.2 * place, 0.1],
+        gravcomp=1.0,
+        mass=inertia,
+        inertia=[inertia] * 3,
+        explicitinertial=True,
+    )
+    body.add_joint(
+        name=f"{name}_motor",
+        type=link.type,
+        axis=[0.0, 1.0, 0.0] if link.type == mujoco.mjtJoint.mjJNT_HINGE else link.axis,
+        limited=mujoco.mjtLimited.mjLIMITED_FALSE,
+        damping=[p["sigma_2"], 0.0, 0.0],
+        stiffness=[0.0, 0.0, 0.0],
+        armature=0.0,
+        frictionloss=0.0,
+    )
+    looks = {"contype": 0, "conaffinity": 0, "mass": 0.0, "rgba": [0.17, 0.25, 0.35, 1.0]}
+    body.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.05, 0.02, 0.05], **looks)
+    spring = spec.add_tendon(name=f"{name}_spring", stiffness=[p["stiffness"], 0.0, 0.0], springlength=[0.0, 0.0])
+    spring.damping = [p["damping"], 0.0, 0.0]
+    spring.wrap_joint(f"{name}_motor", 1.0)
+    spring.wrap_joint(name, -1.0)
+    motor = spec.add_actuator(
+        name=f"{name}_motor", target=f"{name}_motor", trntype=mujoco.mjtTrn.mjTRN_JOINT, gear=[1.0] + [0.0] * 5
+    )
+    motor.set_to_motor()
+    if p["sigma_0"] > 0.0:
+        bristle = spec.add_actuator(
+            name=f"{name}_friction", target=f"{name}_motor", trntype=mujoco.mjtTrn.mjTRN_JOINT, gear=[1.0] + [0.0] * 5
+        )
+        lugre = [p[field] for field in ("sigma_0", "sigma_1", "f_c", "f_s", "v_s")]
+        none = mujoco.mjtCtrlInput.mjINPUT_NONE  # passive: no input, no electrical branch
+        bristle.set_to_dcmotor(motorconst=[0.0, 0.0], resistance=1.0, lugre=lugre, ctrlspec=none)

@@ -1,0 +1,87 @@
+"""Several compensators on one batch, a row for each: one simulation instead of many."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fo_gym.compensators import Compensator
+from fo_gym.evaluation.recording import Recording, record
+from fo_gym.parameters import JointInfo
+from fo_gym.sensors import Signals
+
+Array = NDArray[np.float64]
+
+__all__ = ["Run", "Team", "run_team"]
+
+_ROWS = [field.name for field in fields(Signals) if field.name != "available"]
+
+
+class Team:
+    """Compensators with the same feedback, each in charge of one environment of the batch."""
+
+    def __init__(self, members: Sequence[Compensator]) -> None:
+        self.members = list(members)
+        (self.feedback,) = {member.feedback for member in self.members}
+
+    def reset(self, joints: JointInfo, num_envs: int) -> None:
+        """Start every member on a batch of one."""
+        for i, member in enumerate(self.members):
+            own = {name: getattr(joints, name)[[i]] for name in ("motor_inertia", "stiffness", "torque_limit")}
+            member.reset(replace(joints, **own), 1)
+
+    def estimate(self, signals: Signals) -> Array:
+        """tau_f_hat, (num_envs, dof), a row from each member."""
+        rows = []
+        for i, member in enumerate(self.members):
+            own = Signals(**{name: getattr(signals, name)[i : i + 1] for name in _ROWS})
+            rows.append(member.estimate(own))
+        return np.asarray(np.concatenate(rows))
+
+
+@dataclass(frozen=True)
+class Run:
+    """One member's row of a recording."""
+
+    recording: Recording
+    row: int
+
+    @property
+    def time(self) -> Array:
+        """Time of the ticks, (ticks,), s."""
+        return np.asarray(self.recording.dt * np.arange(len(self.recording.ticks["theta"])))
+
+    def tick(self, name: str, joint: int = 0) -> Array:
+        """A tick array of the recording, (ticks,): theta, theta_n, theta_d, q, ..."""
+        return self.recording.ticks[name][:, self.row, joint]
+
+    def period(self, name: str, joint: int = 0) -> Array:
+        """A period array of the recording, (periods,): tau_f_hat, tau_m, tau_f, tau_ext."""
+        return self.recording.periods[name][:, self.row, joint]
+
+    def tool(self, name: str = "tool") -> Array:
+        """The tool's path, (ticks, 3), m; `reference` is where it should be."""
+        return self.recording.ticks[name][:, self.row]
+
+
+def run_team(
+    members: Mapping[str, Compensator], env_id: str, *, variant: str = "nominal", seed: int = 0, **env_kwargs: Any
+) -> dict[str, Run]:
+    """Run every member on the same episode; members are batched by their feedback, which changes no result.
+
+    Raises:
+        RuntimeError: an episode ended early.
+    """
+    runs: dict[str, Run] = {}
+    for feedback in dict.fromkeys(member.feedback for member in members.values()):
+        names = [name for name, member in members.items() if member.feedback == feedback]
+        team = Team([members[name] for name in names])
+        recording = record(team, "team", env_id, variant, [seed] * len(names), env_kwargs)
+        if any(recording.terminations):
+            raise RuntimeError(f"{env_id}: {dict(zip(names, recording.terminations, strict=True))} ended early")
+        runs |= {name: Run(recording, row) for row, name in enumerate(names)}
+    return {name: runs[name] for name in members}
