@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 # Only what draws asks for OpenGL: importing MuJoCo with "egl" fails where there is no libEGL.
 test docs: export MUJOCO_GL ?= egl
 
-.PHONY: leaderboard quick reproduce test check docs clean help
+.PHONY: leaderboard quick reproduce reproduce-quick test check docs clean help
 
 leaderboard: $(VENV)/.run  ## score everybody, write leaderboard/ (a few minutes on two cores)
 	$(BIN)/fo-gym leaderboard --out leaderboard
@@ -18,6 +18,9 @@ quick: $(VENV)/.run  ## the small protocol, to build/quick
 reproduce: $(VENV)/.reproduce  ## the paper's figures and claims, and the certificate of the physics, to leaderboard/
 	$(BIN)/fo-gym reproduce --out leaderboard
 
+reproduce-quick: $(VENV)/.reproduce  ## the same with fewer random cases, to build/reproduce
+	$(BIN)/fo-gym reproduce --quick --out build/reproduce
+
 test: $(VENV)/.dev system  ## run the tests
 	$(BIN)/python -m pytest -n 2 --dist loadgroup
 
@@ -26,9 +29,9 @@ check: $(VENV)/.dev  ## ruff and mypy
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-docs: $(VENV)/.dev system  ## redraw the picture and the table of the README
+docs: $(VENV)/.dev system  ## redraw the picture and the tables of the README
 	$(BIN)/python docs/pictures.py
-	$(BIN)/python docs/readme_table.py
+	$(BIN)/python docs/readme_tables.py
 
 .PHONY: system
 system:  ## the system libraries that rendering needs
@@ -59,4 +62,4 @@ clean:  ## remove the virtual environment and everything built
 	rm -rf $(VENV) build dist
 
 help:  ## show this
-	@grep -E '^[a-z]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 16
+	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 16

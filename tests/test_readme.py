@@ -26,8 +26,8 @@ def run(*arguments: str) -> str:
     return done.stdout
 
 
-def test_the_table_is_the_published_leaderboard() -> None:
-    program = "import readme_table; print(readme_table.readme_with(readme_table.table()), end='')"
+def test_the_tables_are_the_published_ones() -> None:
+    program = "import readme_tables; print(readme_tables.readme(), end='')"
     assert run("-c", f"import sys; sys.path.insert(0, 'docs'); {program}") == README
 
 

@@ -86,7 +86,7 @@ def test_ideal_and_none_meet_the_same_episodes(env_id: str) -> None:
     ideal, none = batch.record(Ideal(), "ideal"), batch.record(NoCompensation(), "none")
     np.testing.assert_array_equal(ideal.ticks["theta"][0], none.ticks["theta"][0])
     np.testing.assert_array_equal(ideal.ticks["theta_d"], none.ticks["theta_d"])
-    for one, other in zip(ideal.pushes, none.pushes, strict=True):
+    for one, other in zip((s.push for s in ideal.scenarios), (s.push for s in none.scenarios), strict=True):
         assert one is not None
         assert other is not None
         assert (one.time, one.duration, *one.torque) == (other.time, other.duration, *other.torque)

@@ -19,7 +19,7 @@ from fo_gym.evaluation.record import Episode, Motion
 from fo_gym.parameters import FRICTIONLESS
 from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.sensors import Signals
-from fo_gym.tasks.scenario import Push
+from fo_gym.tasks.scenario import Scenario
 from fo_gym.tasks.task import Task
 
 Array = NDArray[np.float64]
@@ -71,7 +71,7 @@ class Recording:
         ticks: arrays (ticks, num_envs, size) by name: theta, theta_dot, q, q_dot, and on a path tool, as they truly
             were; theta_n, theta_n_dot, theta_d, reference as the compensator saw them.
         periods: arrays (periods, num_envs, dof) by name: tau_f_hat, tau_m, tau_f, tau_ext.
-        pushes: the push of each episode, or None.
+        scenarios: the drawn episodes.
         torque_limit: (dof,).
         terminations: "" or why each episode ended early.
         ended: tick at which each episode ended.
@@ -82,7 +82,7 @@ class Recording:
     dt: float
     ticks: Mapping[str, Array]
     periods: Mapping[str, Array]
-    pushes: Sequence[Push | None]
+    scenarios: Sequence[Scenario]
     torque_limit: Array
     terminations: Sequence[str]
     ended: NDArray[np.int64]
@@ -118,7 +118,7 @@ class Recording:
             step_time=self.task.step_time,
             limit_cycle_window=self.task.limit_cycle_window,
             motion_window=self.task.motion_window,
-            push=self.pushes[i],
+            push=self.scenarios[i].push,
             termination=self.terminations[i],
         )
 
@@ -179,7 +179,7 @@ class _Recorder:
         self.ticks = {name: np.empty((self.steps + 1, env.num_envs, size)) for name, size in sizes.items()}
         shape = (self.steps, env.num_envs, self.dof)
         self.periods = {name: np.empty(shape) for name in ("tau_f_hat", *_PERIOD_TRUTH)}
-        self.pushes = [scenario.push for scenario in self.simulation.scenarios]
+        self.scenarios = tuple(self.simulation.scenarios)
         self.alive = np.ones(env.num_envs, dtype=bool)
         self.ended = np.full(env.num_envs, self.steps)
         self.terminations = [""] * env.num_envs
@@ -241,7 +241,7 @@ class _Recorder:
             dt=simulation.settings.step_dt,
             ticks=self.ticks,
             periods=self.periods,
-            pushes=self.pushes,
+            scenarios=self.scenarios,
             torque_limit=limit,
             terminations=self.terminations,
             ended=self.ended,

@@ -2,29 +2,18 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import pandas as pd
 
 from fo_gym.evaluation.figures import figures
+from fo_gym.evaluation.files import atomic, csv
 from fo_gym.evaluation.leaderboard import leaderboard
 from fo_gym.evaluation.protocol import Protocol
 from fo_gym.evaluation.run import Results
 from fo_gym.evaluation.tables import markdown, rankings, summary
 
 __all__ = ["markdown_page", "write_results"]
-
-
-def _atomic(path: Path, text: str) -> None:
-    """Write whole or not at all: a reader, or a run that is killed, never leaves half a file."""
-    draft = path.with_name(path.name + ".part")
-    draft.write_text(text, encoding="utf-8", newline="\n")
-    os.replace(draft, path)
-
-
-def _csv(table: pd.DataFrame) -> str:
-    return str(table.to_csv(index=False, float_format="%.6g", lineterminator="\n"))
 
 
 def markdown_page(protocol: Protocol, episodes: pd.DataFrame, pictures: list[Path]) -> str:
@@ -60,11 +49,11 @@ def write_results(protocol: Protocol, results: Results, out: Path) -> list[Path]
     out.mkdir(parents=True, exist_ok=True)
     pictures = figures(results, out / "figures")
     texts = {
-        "episodes.csv": _csv(results.episodes),
-        "leaderboard.csv": _csv(leaderboard(results.episodes)),
-        "timing.csv": _csv(results.timing),
+        "episodes.csv": csv(results.episodes),
+        "leaderboard.csv": csv(leaderboard(results.episodes)),
+        "timing.csv": csv(results.timing),
         "leaderboard.md": markdown_page(protocol, results.episodes, pictures),
     }
     for name, text in texts.items():
-        _atomic(out / name, text)
+        atomic(out / name, text)
     return [*(out / name for name in texts), *pictures]

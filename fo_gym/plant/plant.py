@@ -210,7 +210,8 @@ class FlexibleJointPlant:
         """The twin: environment `env`, motors, springs and friction included, wholly in MuJoCo, in its present state.
 
         Open it with `mujoco.viewer.launch(*plant.to_mujoco())`; see `twin_model` for its names. Controls are tau_m,
-        external torques go to `data.qfrc_applied`, friction is the force of the actuators "<joint>_friction".
+        external torques go to `data.qfrc_applied`; friction is the force of the actuators "<joint>_friction" and the
+        damping of the motors' joints.
 
         Args:
             env: which environment.

@@ -69,6 +69,7 @@ def _add_motor(spec: mujoco.MjSpec, name: str, place: int, p: dict[str, float]) 
         name=f"{name}_motor",
         pos=[-0.4, 0.2 * place, 0.1],
         gravcomp=1.0,
+        ipos=[0.0, 0.0, 0.0],
         mass=inertia,
         inertia=[inertia] * 3,
         explicitinertial=True,

@@ -33,8 +33,8 @@ class Motion:
     Attributes:
         dt: control period [s].
         theta, theta_dot, q, q_dot, z, theta_n, theta_n_dot: at the ticks.
-        tau_f_hat, tau_f, tau_j, tau_c, tau_m: estimate, mean friction, and what was measured and commanded at the
-            start of each period.
+        tau_f_hat, tau_f, tau_j, tau_c, tau_m, tau_ext: estimate, mean friction, what was measured and commanded at
+            the start of each period, and what pushed the link.
     """
 
     dt: float
@@ -50,6 +50,7 @@ class Motion:
     tau_j: Array
     tau_c: Array
     tau_m: Array
+    tau_ext: Array
 
     @property
     def e(self) -> Array:
@@ -69,8 +70,10 @@ def run_loop(
     *,
     dt: float,
     physics_dt: float | None = None,
+    joint: FlexibleJoint = JOINT,
     friction: LuGre = FRICTION,
     motor_offset: float = 0.0,
+    damper: float = 0.0,
     start: float = 0.0,
 ) -> Motion:
     """The paper's single link, n times, from rest at `start`.
@@ -81,12 +84,14 @@ def run_loop(
         tau_ext: external force on the link over every period, (ticks, n) [N].
         dt: control period [s].
         physics_dt: micro-step [s].
+        joint: motor and spring.
         friction: of the motor.
         motor_offset: constant force on the motor that no controller knows of [N].
+        damper: on the link, to the world; its force -damper q' is part of tau_ext [N s/m].
         start: position of motor and link at rest [m].
     """
     ticks, n = theta_d.shape
-    plant = FlexibleJointPlant(STICTION.robot, n, joints=JOINT, friction=friction, control_dt=dt, physics_dt=physics_dt)
+    plant = FlexibleJointPlant(STICTION.robot, n, joints=joint, friction=friction, control_dt=dt, physics_dt=physics_dt)
     everyone = np.arange(n)
     plant.reset(everyone, np.full((n, 1), start))
     nominal, law = NominalMotor(n, 1, dt), MotorPD(GAINS, 1)
@@ -95,7 +100,7 @@ def run_loop(
     compensator.reset(JointInfo(1, plant.motor_inertia.copy(), plant.stiffness.copy(), limit, dt), n)
     at_tick = ("theta", "theta_dot", "q", "q_dot", "z")
     kept = {name: np.empty((ticks + 1, n)) for name in (*at_tick, "theta_n", "theta_n_dot")}
-    held = {name: np.empty((ticks, n)) for name in ("tau_f_hat", "tau_f", "tau_j", "tau_c", "tau_m")}
+    held = {name: np.empty((ticks, n)) for name in ("tau_f_hat", "tau_f", "tau_j", "tau_c", "tau_m", "tau_ext")}
     zero, empty = np.zeros((n, 1)), np.zeros((n, 0))
     for k in range(ticks + 1):
         for name in at_tick:
@@ -109,9 +114,10 @@ def run_loop(
         signals = Signals(plant.theta, plant.theta_dot, tau_j, nominal.theta, nominal.theta_dot, target, tau_c, empty)
         tau_f_hat = compensator.estimate(signals)
         tau_m = tau_c - tau_f_hat
-        plant.step(tau_m + motor_offset, tau_ext[k][:, None])
+        push = tau_ext[k][:, None] - damper * plant.q_dot
+        plant.step(tau_m + motor_offset, push)
         nominal.step(tau_c, tau_j, plant.motor_inertia)
-        values = (tau_f_hat, plant.tau_f, tau_j, tau_c, tau_m)
+        values = (tau_f_hat, plant.tau_f, tau_j, tau_c, tau_m, push)
         for name, value in zip(held, values, strict=True):
             held[name][k] = value[:, 0]
     return Motion(dt=dt, **kept, **held)

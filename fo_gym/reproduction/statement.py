@@ -36,8 +36,8 @@ class Finding:
 
     @property
     def holds(self) -> bool:
-        """Whether the number lies in its interval; NaN does not."""
-        return bool(self.low <= self.number <= self.high)
+        """Whether the number lies in its interval; what is not finite does not."""
+        return math.isfinite(self.number) and self.low <= self.number <= self.high
 
 
 def at_most(number: float, limit: float, unit: str, measured: str) -> Finding:

@@ -63,6 +63,12 @@ class Run:
         """A period array of the recording, (periods,): tau_f_hat, tau_m, tau_f, tau_ext."""
         return self.recording.periods[name][:, self.row, joint]
 
+    def parameter(self, name: str, joint: int = 0) -> float:
+        """A field of the episode's FlexibleJoint or LuGre, such as "motor_inertia" or "f_s"."""
+        scenario = self.recording.scenarios[self.row]
+        owner = scenario.joints if hasattr(scenario.joints, name) else scenario.friction
+        return float(np.broadcast_to(getattr(owner, name), scenario.q_start.shape)[joint])
+
     def tool(self, name: str = "tool") -> Array:
         """The tool's path, (ticks, 3), m; `reference` is where it should be."""
         return self.recording.ticks[name][:, self.row]

@@ -1,18 +1,16 @@
-"""The command line: `fo-gym list | evaluate | leaderboard`."""
+"""`fo-gym list | evaluate | leaderboard`: what there is, and who is how good."""
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
 import fo_gym
+from fo_gym.cli.console import Stop, check_jobs, console, progress_bar, tell_written
 from fo_gym.compensators import BUILT_IN
 from fo_gym.evaluation.evaluate import FAILED
 from fo_gym.evaluation.leaderboard import leaderboard
@@ -22,49 +20,15 @@ from fo_gym.evaluation.report import write_results
 from fo_gym.evaluation.run import Results, run_protocol
 from fo_gym.evaluation.tables import rankings, summary
 
-app = typer.Typer(
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    help="The benchmark for friction compensation on flexible robot joints.",
-)
-console = Console(width=None if sys.stdout.isatty() else 140)
-errors = Console(stderr=True)
-
-
-class _Stop(typer.Exit):
-    """End with a message and exit code 2."""
-
-    def __init__(self, message: str) -> None:
-        errors.print(f"[bold red]error:[/] {escape(message)}", highlight=False, soft_wrap=True)
-        super().__init__(code=2)
+__all__ = ["evaluate", "list_everything", "run_leaderboard"]
 
 
 def _run(protocol: Protocol, jobs: int) -> Results:
     """Run a protocol behind a progress bar."""
-    if jobs == 0:
-        raise _Stop("--jobs is 0; give the number of worker processes, or -1 for one per core")
+    check_jobs(jobs)
     names = [name for name in protocol.compensators if name not in BUILT_IN]
-    total = len(protocol.environments) * len(protocol.variants) * (1 + len(names))
-    columns = (
-        TextColumn("{task.description}", markup=False),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=errors) as progress:
-        task = progress.add_task("compiling kernels, starting", total=total)
-
-        def on_run(label: str) -> None:
-            progress.update(task, advance=1, description=label)
-            if not errors.is_terminal:
-                errors.print(label, highlight=False, markup=False)
-
-        results = run_protocol(protocol, jobs=jobs, on_run=on_run)
-        progress.update(task, description="done")
-    return results
+    with progress_bar(len(protocol.environments) * len(protocol.variants) * (1 + len(names))) as advance:
+        return run_protocol(protocol, jobs=jobs, on_run=lambda label: advance(label, 1))
 
 
 def _print_rankings(results: Results) -> None:
@@ -81,12 +45,6 @@ def _print_rankings(results: Results) -> None:
         console.print(view)
 
 
-def _write(protocol: Protocol, results: Results, out: Path) -> None:
-    for path in write_results(protocol, results, out):
-        console.print(f"wrote {path}", highlight=False, markup=False, soft_wrap=True)
-
-
-@app.command("list")
 def list_everything() -> None:
     """Show the environments, compensators, metrics and protocols there are.
 
@@ -103,7 +61,6 @@ def list_everything() -> None:
         console.print(f"protocol     {name}: {path}", highlight=False, soft_wrap=True)
 
 
-@app.command()
 def evaluate(
     compensators: Annotated[
         list[str], typer.Argument(metavar="COMPENSATOR...", help="Registered name, module:Class or file.py:Class.")
@@ -129,11 +86,11 @@ def evaluate(
         others = [name for name in load_protocol("full").compensators if name not in compensators]
         protocol = Protocol("evaluate", "validation", seeds, (env,), (variant,), (*compensators, *others))
     except (ValueError, TypeError, fo_gym.CompensatorError) as error:
-        raise _Stop(str(error)) from error
+        raise Stop(str(error)) from error
     results = _run(protocol, jobs)
     _print_rankings(results)
     if out is not None:
-        _write(protocol, results, out)
+        tell_written(write_results(protocol, results, out))
     _fail_if_failed(results, compensators)
 
 
@@ -142,10 +99,9 @@ def _fail_if_failed(results: Results, compensators: list[str]) -> None:
     episodes = results.episodes
     failed = episodes[(episodes["status"] == FAILED) & episodes["compensator"].isin(compensators)]
     if len(failed):
-        raise _Stop(str(failed["error"].iloc[0]))
+        raise Stop(str(failed["error"].iloc[0]))
 
 
-@app.command("leaderboard")
 def run_leaderboard(
     protocol: Annotated[str | None, typer.Option(help="TOML file, or the name of a shipped protocol.")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="The small protocol: two seeds.")] = False,
@@ -165,16 +121,12 @@ def run_leaderboard(
         fo-gym leaderboard --protocol my_protocol.toml --out build/mine --jobs 2
     """
     if quick and protocol is not None:
-        raise _Stop("--quick and --protocol exclude each other; give one of them")
+        raise Stop("--quick and --protocol exclude each other; give one of them")
     try:
         chosen = load_protocol(protocol or ("quick" if quick else "full"))
     except ValueError as error:
-        raise _Stop(str(error)) from error
+        raise Stop(str(error)) from error
     results = _run(chosen, jobs)
     _print_rankings(results)
-    _write(chosen, results, out or Path("build/quick" if quick else "leaderboard"))
+    tell_written(write_results(chosen, results, out or Path("build/quick" if quick else "leaderboard")))
     _fail_if_failed(results, list(chosen.compensators))
-
-
-if __name__ == "__main__":
-    app()

@@ -1,0 +1,61 @@
+"""What all commands share: where they print, how they stop, and a progress bar."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import typer
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+console = Console(width=None if sys.stdout.isatty() else 140)
+errors = Console(stderr=True)
+
+__all__ = ["Stop", "check_jobs", "console", "errors", "progress_bar", "tell_written"]
+
+
+class Stop(typer.Exit):
+    """End with a message and exit code 2."""
+
+    def __init__(self, message: str) -> None:
+        errors.print(f"[bold red]error:[/] {escape(message)}", highlight=False, soft_wrap=True)
+        super().__init__(code=2)
+
+
+def check_jobs(jobs: int) -> None:
+    """Stop where --jobs is 0."""
+    if jobs == 0:
+        raise Stop("--jobs is 0; give the number of worker processes, or -1 for one per core")
+
+
+@contextmanager
+def progress_bar(total: int) -> Iterator[Callable[[str, int], None]]:
+    """A progress bar on the error stream; call what it yields with a label and how much has been done."""
+    columns = (
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=errors) as progress:
+        task = progress.add_task("compiling kernels, starting", total=total)
+
+        def advance(label: str, done: int) -> None:
+            progress.update(task, advance=done, description=label)
+            if not errors.is_terminal:
+                errors.print(label, highlight=False, markup=False)
+
+        yield advance
+        progress.update(task, description="done")
+
+
+def tell_written(paths: list[Path]) -> None:
+    """Name the files that a command wrote."""
+    for path in paths:
+        console.print(f"wrote {path}", highlight=False, markup=False, soft_wrap=True)

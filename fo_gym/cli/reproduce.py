@@ -1,0 +1,63 @@
+"""`fo-gym reproduce`: the paper's figures and claims, and the certificate of the physics."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+from rich.markup import escape
+from rich.table import Table
+
+from fo_gym.cli.console import Stop, check_jobs, console, progress_bar, tell_written
+
+__all__ = ["run_reproduce"]
+
+
+def run_reproduce(
+    only: Annotated[
+        Literal["claims", "figures", "fidelity"] | None, typer.Option(help="One part alone; all by default.")
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer random cases; same statements and tolerances.")] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option(file_okay=False, help="Folder for the results; leaderboard, or build/reproduce with --quick."),
+    ] = None,
+    jobs: Annotated[int, typer.Option(help="Worker processes; -1 = one per core.")] = -1,
+) -> None:
+    """Reproduce what arXiv:1907.00553 shows and says, and certify the physics.
+
+    Writes paper/claims.csv, paper/figures/ and fidelity.csv, with a page beside each table. Ends with exit code 2 if
+    a verdict is not the known one.
+
+    Examples:
+        fo-gym reproduce
+
+        fo-gym reproduce --only figures --out build/paper
+
+        fo-gym reproduce --quick
+    """
+    check_jobs(jobs)
+    try:
+        from fo_gym.reproduction.report import counts, tolerance, write_reproduction  # noqa: PLC0415
+        from fo_gym.reproduction.run import FAILS, PARTS, reproduce, size, surprises  # noqa: PLC0415
+        from fo_gym.reproduction.subject import Subject  # noqa: PLC0415
+    except ModuleNotFoundError as error:  # Pinocchio is heavy, and nothing else needs it
+        raise Stop(f"{error}; install what `fo-gym reproduce` needs with: pip install 'fo-gym[reproduce]'") from error
+    parts = PARTS if only is None else (only,)
+    folder = out or Path("build/reproduce" if quick else "leaderboard")
+    with progress_bar(size(parts)) as advance:
+        found = reproduce(parts, Subject(quick=quick), folder / "paper" / "figures", jobs=jobs, on_unit=advance)
+    for name, table in found.tables.items():
+        view = Table(title=f"{name}: {counts(table)}")
+        for heading in ("id", "number", "tolerance", "verdict"):
+            view.add_column(heading, justify="right" if heading == "number" else "left", overflow="fold")
+        for row in table.to_dict("records"):
+            number = f"{row['number']:.4g} {row['unit']}".strip()
+            verdict = f"[bold]{row['verdict']}[/]" if row["verdict"] == FAILS else str(row["verdict"])
+            view.add_row(str(row["id"]), escape(number), tolerance(row["low"], row["high"]), verdict)
+        console.print(view)
+    tell_written(write_reproduction(found, folder))
+    unexpected = surprises(found)
+    if unexpected:
+        raise Stop(f"verdicts that are not the known ones: {', '.join(unexpected)}; see the column 'measured'")

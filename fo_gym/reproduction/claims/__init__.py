@@ -1,0 +1,17 @@
+"""What arXiv:1907.00553 says, statement by statement. Importing this registers them."""
+
+from fo_gym.reproduction.statement import CLAIMS
+
+# In the order of the table.
+# isort: off
+from fo_gym.reproduction.claims import panels
+from fo_gym.reproduction.claims import rest
+from fo_gym.reproduction.claims import stiction
+from fo_gym.reproduction.claims import lowpass
+from fo_gym.reproduction.claims import algebra
+from fo_gym.reproduction.claims import theorem2
+from fo_gym.reproduction.claims import passivity
+from fo_gym.reproduction.claims import experiments
+# isort: on
+
+__all__ = ["CLAIMS", "algebra", "experiments", "lowpass", "panels", "passivity", "rest", "stiction", "theorem2"]

@@ -1,0 +1,70 @@
+"""The figures of the reproduction: what they are called, what they show, and how they are written."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from matplotlib import style as matplotlib_style
+from matplotlib.figure import Figure
+
+from fo_gym.reproduction.figures import convergence, lugre, motivating, panels, regulation, square
+from fo_gym.reproduction.figures.style import RC
+from fo_gym.reproduction.subject import Subject
+
+# No dates and no versions: the same figure is the same file.
+_METADATA: dict[str, dict[str, None]] = {
+    "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
+    "png": {"Software": None},
+}
+
+__all__ = ["FIGURES", "FigureSpec", "draw"]
+
+
+@dataclass(frozen=True)
+class FigureSpec:
+    """A figure of the reproduction.
+
+    Attributes:
+        title: what it is.
+        caption: what it shows, in our words.
+        function: draws it from what is under test.
+    """
+
+    title: str
+    caption: str
+    function: Callable[[Subject], Figure]
+
+
+FIGURES = {
+    "simulation": FigureSpec(panels.TITLE, panels.CAPTION, panels.figure),
+    "regulation": FigureSpec(regulation.TITLE, regulation.CAPTION, regulation.figure),
+    "square": FigureSpec(square.TITLE, square.CAPTION, square.figure),
+    "motivating": FigureSpec(motivating.TITLE, motivating.CAPTION, motivating.figure),
+    "lugre": FigureSpec(lugre.TITLE, lugre.CAPTION, lugre.figure),
+    "convergence": FigureSpec(convergence.TITLE, convergence.CAPTION, convergence.figure),
+}
+"""Every figure by name: the paper's first, then those of the certificate."""
+
+
+def draw(name: str, subject: Subject, folder: Path) -> list[Path]:
+    """Draw one figure into folder/<name>.pdf and .png; returns the files. A reader never sees half a file.
+
+    Args:
+        name: of FIGURES.
+        subject: what is under test.
+        folder: made if need be.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = []
+    with matplotlib_style.context(["default", RC]):  # whatever the user's own settings are
+        figure = FIGURES[name].function(subject)
+        for kind, metadata in _METADATA.items():
+            path = folder / f"{name}.{kind}"
+            draft = folder / f"{name}.{kind}.part"
+            figure.savefig(draft, format=kind, metadata=metadata)
+            os.replace(draft, path)
+            paths.append(path)
+    return paths

@@ -1,0 +1,63 @@
+"""How far a way to simulate a case is off, and how long it takes; and the arm's case."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fo_gym.envs.arm import ARM, ARM_FRICTION, ARM_HOME, ARM_JOINTS
+from fo_gym.envs.regulation import REGULATION
+from fo_gym.parameters import PDGains
+from fo_gym.plant.robot import load_model
+from fo_gym.reproduction.cases import OBSERVERS, PERIOD, Case
+from fo_gym.reproduction.reference import Arm
+from fo_gym.reproduction.steppers import Stepper, motion
+
+Array = NDArray[np.float64]
+
+__all__ = ["Point", "arm_step", "measure"]
+
+
+@dataclass(frozen=True)
+class Point:
+    """A method at one setting.
+
+    Attributes:
+        error: largest distance of links and motors from the truth, at the ticks [ju].
+        seconds: time spent per simulated second, the median of the repeats.
+    """
+
+    error: float
+    seconds: float
+
+
+def measure(case: Case, truth: Array, start: Callable[[], Stepper], repeats: int) -> Point:
+    """Run a method on a case `repeats` times; `truth` is what `motion` of it should be."""
+    spent = []
+    for _ in range(repeats):
+        period = start()
+        begin = time.perf_counter()
+        moved = motion(case, period)
+        spent.append(time.perf_counter() - begin)
+    error = float(np.abs(moved - truth).max())
+    return Point(error, float(np.median(spent)) / (PERIOD * len(case.tau_ext)))
+
+
+def arm_step(periods: int) -> Case:
+    """The suite's arm from home: a step of -5 degrees on every joint, under the PID-type observer at low gains."""
+    assert isinstance(REGULATION.gains, PDGains)
+    assert REGULATION.step is not None
+    arm = Arm(load_model(ARM), ARM_JOINTS, ARM_FRICTION)
+    gravity = arm.gravity(ARM_HOME + REGULATION.step).copy()
+    gains = OBSERVERS["pid-low"] | {
+        "motor_inertia": ARM_JOINTS.motor_inertia,
+        "k_p": REGULATION.gains.kp,
+        "k_d": REGULATION.gains.kd,
+        "theta_d": ARM_HOME + REGULATION.step + gravity / ARM_JOINTS.stiffness,
+        "feedforward": gravity,
+    }
+    return Case(ARM, arm, ARM_HOME, gains, np.zeros((periods, ARM.dof)))
