@@ -22,7 +22,7 @@ reproduce-quick: $(VENV)/.reproduce  ## the same with fewer random cases, to bui
 	$(BIN)/fo-gym reproduce --quick --out build/reproduce
 
 test: $(VENV)/.dev system  ## run the tests
-	$(BIN)/python -m pytest -n 2 --dist loadgroup
+	$(BIN)/python -m pytest -n 2 --dist loadfile
 
 check: $(VENV)/.dev  ## ruff and mypy
 	$(BIN)/ruff check .

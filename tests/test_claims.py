@@ -13,8 +13,6 @@ from fo_gym.reproduction.claims import CLAIMS
 from fo_gym.reproduction.statement import Finding, at_least, at_most, near
 from fo_gym.reproduction.subject import Subject
 
-pytestmark = pytest.mark.xdist_group("claims")
-
 COARSE = Subject(control_dt=1e-3, quick=True)
 MODULES = ("algebra", "experiments", "panels", "rest", "stiction", "theorem2")
 IDS = [name for name, claim in CLAIMS.items() if claim.group.rpartition(".")[2] in MODULES]

@@ -17,8 +17,6 @@ import fo_gym
 from fo_gym.cli import app
 from fo_gym.evaluation.metrics import METRICS
 
-pytestmark = pytest.mark.xdist_group("cli")
-
 SQUARE = "FJRSquare-v0"
 SIX = ("pid-low", "pid-high", "pd-low", "pd-high", "letien-low", "letien-high")
 FILES = {"episodes.csv", "leaderboard.csv", "timing.csv", "leaderboard.md", "ranking.png", f"{SQUARE}.png"}

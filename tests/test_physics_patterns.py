@@ -14,8 +14,6 @@ from fo_gym.parameters import FRICTIONLESS
 from fo_gym.reproduction.runs import PAPER
 from fo_gym.reproduction.team import run_team
 
-pytestmark = pytest.mark.xdist_group("patterns")
-
 STICTION_ID, REGULATION_ID, SQUARE_ID = fo_gym.ENVIRONMENTS
 
 

@@ -22,9 +22,6 @@ QUICK = Subject(control_dt=1e-3, quick=True)
 TIMED = "convergence"
 """The one figure that holds times, which differ from run to run."""
 
-# Runs are kept per process, and so the tests that share them belong to one worker.
-pytestmark = pytest.mark.xdist_group("figures")
-
 
 @pytest.fixture(scope="module", params=FIGURES)
 def name(request: pytest.FixtureRequest) -> str:
@@ -76,9 +73,8 @@ def test_figure_holds_neither_date_nor_version(files: list[Path]) -> None:
         assert b"Matplotlib" not in path.read_bytes()
 
 
+@pytest.mark.parametrize("name", [name for name in FIGURES if name != TIMED], scope="module")
 def test_figure_is_the_same_each_time(name: str, files: list[Path], tmp_path: Path) -> None:
-    if name == TIMED:
-        pytest.skip("it shows how long things took")
     with mpl.rc_context({"lines.linewidth": 7.0, "font.size": 30.0}):  # a user's own taste
         again = draw(name, QUICK, tmp_path)
     assert [path.read_bytes() for path in again] == [path.read_bytes() for path in files]

@@ -18,8 +18,6 @@ from fo_gym.evaluation.report import write_results
 from fo_gym.evaluation.run import Results, run_protocol
 from fo_gym.evaluation.seeds import LEADERBOARD_SEEDS
 
-pytestmark = pytest.mark.xdist_group("run")
-
 SQUARE = "FJRSquare-v0"
 KEY = ["variant", "compensator"]
 BROKEN = '''\
