@@ -128,13 +128,16 @@ def test_a_wrong_sign_in_the_equations_is_seen(broken: pytest.MonkeyPatch, id: s
 @pytest.mark.parametrize("id", ["inverse-dynamics", "solver-two-link", "energy-balance", "energy-swing"])
 def test_wrong_inertia_is_seen(broken: pytest.MonkeyPatch, id: str) -> None:
     """One per cent, at every pose."""
-    right = RigidBody.dynamics
+    for name in ("dynamics", "forward"):
+        right = getattr(RigidBody, name)
 
-    def heavier(self: RigidBody, *arguments: Any) -> tuple[np.ndarray, np.ndarray]:
-        inertia, bias = right(self, *arguments)
-        return 1.01 * inertia, bias
+        def heavier(
+            self: RigidBody, *arguments: Any, right: Callable[..., Any] = right
+        ) -> tuple[np.ndarray, np.ndarray]:
+            inertia, bias = right(self, *arguments)
+            return 1.01 * inertia, bias
 
-    broken.setattr(RigidBody, "dynamics", heavier)
+        broken.setattr(RigidBody, name, heavier)
     assert not CHECKS[id].measure(QUICK).holds
 
 

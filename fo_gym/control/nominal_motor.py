@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -29,6 +30,14 @@ class NominalMotor:
 
     def step(self, tau_c: Array, tau_j: Array, motor_inertia: Array) -> None:
         """Advance one control period with the values of its first tick, (num_envs, dof) each."""
-        acceleration = (tau_c - tau_j) / motor_inertia
-        self.theta += self.dt * self.theta_dot + (0.5 * self.dt * self.dt) * acceleration
-        self.theta_dot += self.dt * acceleration
+        _step(self.theta, self.theta_dot, tau_c, tau_j, motor_inertia, self.dt)
+
+
+@njit(cache=True, error_model="numpy")
+def _step(theta, theta_dot, tau_c, tau_j, motor_inertia, dt):
+    num_envs, dof = theta.shape
+    for i in range(num_envs):
+        for j in range(dof):
+            acceleration = (tau_c[i, j] - tau_j[i, j]) / motor_inertia[i, j]
+            theta[i, j] += dt * theta_dot[i, j] + (0.5 * dt * dt) * acceleration
+            theta_dot[i, j] += dt * acceleration

@@ -1,4 +1,4 @@
-"""The external pushes of a batch: a pulse per environment."""
+"""The external pushes of a batch: a sin^2 pulse per environment, or none."""
 
 from __future__ import annotations
 
@@ -13,26 +13,20 @@ __all__ = ["Pushes"]
 
 
 class Pushes:
-    """One sin^2 pulse per environment, or none."""
+    """One pulse per environment; a pulse of length zero stands for none.
+
+    Attributes:
+        time, duration: start and length, (num_envs,), s.
+        torque: peak, (num_envs, dof), N or N m.
+    """
 
     def __init__(self, num_envs: int, dof: int) -> None:
-        # A pulse of length zero stands for none.
-        self._time = np.zeros((num_envs, 1))
-        self._duration = np.zeros((num_envs, 1))
-        self._torque = np.zeros((num_envs, dof))
+        self.time = np.zeros(num_envs)
+        self.duration = np.zeros(num_envs)
+        self.torque = np.zeros((num_envs, dof))
 
     def set(self, i: int, push: Push | None) -> None:
         """Give environment i its push."""
-        self._time[i] = push.time if push else 0.0
-        self._duration[i] = push.duration if push else 0.0
-        self._torque[i] = push.torque if push else 0.0
-
-    def at(self, time: Array) -> Array:
-        """External torque at `time` (num_envs,) [s]: (num_envs, dof), N or N m."""
-        since = time[:, None] - self._time
-        active = (since > 0.0) & (since < self._duration)
-        if not active.any():
-            return np.zeros_like(self._torque)
-        share = np.divide(since, self._duration, out=np.zeros_like(since), where=active)
-        # Plain zeros, not signed ones, where nobody pushes: what the neighbours do must not show.
-        return np.where(active, self._torque * np.sin(np.pi * share) ** 2, 0.0)
+        self.time[i] = push.time if push else 0.0
+        self.duration[i] = push.duration if push else 0.0
+        self.torque[i] = push.torque if push else 0.0

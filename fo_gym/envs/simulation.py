@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.control.nominal_motor import NominalMotor
+from fo_gym.envs.kernels import INSIDE, LOST, OUTSIDE, rewards, torques, whereabouts
 from fo_gym.envs.pushes import Pushes
 from fo_gym.envs.settings import Settings
 from fo_gym.parameters import JointInfo, per_joint
@@ -79,9 +80,12 @@ class Simulation:
         ] * num_envs
         self.ticks = np.zeros(num_envs, dtype=np.int64)
         self.last_tick = settings.ticks(task)
-        self._range = np.where(
-            self.plant.body.model.jnt_limited[:, None].astype(bool), self.plant.body.model.jnt_range, [-np.inf, np.inf]
-        )
+        model = self.plant.body.model
+        limited = model.jnt_limited.astype(bool)
+        self._low = np.where(limited, model.jnt_range[:, 0], -np.inf)
+        self._high = np.where(limited, model.jnt_range[:, 1], np.inf)
+        self._where = np.full(num_envs, INSIDE)
+        self._compensates = settings.action_mode == "compensation"
         shape = (num_envs, self.dof)
         self.tau_c = np.zeros(shape)
         self.tau_j = np.zeros(shape)
@@ -153,41 +157,48 @@ class Simulation:
             reward (num_envs,); terminated; truncated; why the terminated ones ended, by environment.
         """
         limit = self.joints.torque_limit
-        action = np.minimum(np.maximum(action, -limit), limit)
         previous = self.tau_m
         reasons: dict[int, str] = {}
-        tau_f = np.zeros_like(self.tau_f)
+        tau_f: Array | float = 0.0
         for _ in range(self.settings.decimation):
-            # A push is sampled in the middle of the period over which it is held.
-            middle = (self.ticks.astype(np.float64) + 0.5) * self.settings.control_dt
-            self.tau_ext = self._pushes.at(middle)
-            self.tau_m = self.tau_c - action if self.settings.action_mode == "compensation" else action
-            before = self.plant.get_state()
+            self._hold(action)
+            before = self.plant.snapshot()
             self.plant.step(self.tau_m, self.tau_ext)
             self.nominal_motor.step(self.tau_c, self.tau_j, self.plant.motor_inertia)
             self.ticks += 1
-            self._find_ends(before, reasons)
-            tau_f += self.plant.tau_f
+            if not whereabouts(self.plant.motion, self._low, self._high, self._where):
+                self._find_ends(before, reasons)
+            tau_f = tau_f + self.plant.tau_f
             self._measure()
-        self.tau_f = tau_f / self.settings.decimation
-        roughness = np.minimum(np.add.reduce(np.abs(self.tau_m - previous) / limit, axis=1) / self.dof, 1.0)
-        closeness = 1.0 / (1.0 + self.control.distance(self.plant) / self.task.accuracy)
+        self.tau_f = np.asarray(tau_f / self.settings.decimation)
+        distance = self.control.distance(self.plant)
+        reward = rewards(self.tau_m, previous, limit, distance, self.task.accuracy, ROUGHNESS_WEIGHT)
         terminated = np.zeros(self.num_envs, dtype=bool)
-        terminated[list(reasons)] = True
-        truncated = (self.ticks >= self.last_tick) & ~terminated
-        return closeness * (1.0 - ROUGHNESS_WEIGHT * roughness), terminated, truncated, reasons
+        if reasons:
+            terminated[list(reasons)] = True
+        return reward, terminated, (self.ticks >= self.last_tick) & ~terminated, reasons
 
-    def _find_ends(self, before: PlantState, reasons: dict[int, str]) -> None:
+    def _hold(self, action: Array) -> None:
+        """Set the torques of the coming control period."""
+        pushes, settings = self._pushes, self.settings
+        self.tau_m, self.tau_ext = torques(
+            self.ticks,
+            settings.control_dt,
+            pushes.time,
+            pushes.duration,
+            pushes.torque,
+            self.tau_c,
+            action,
+            self.joints.torque_limit,
+            self._compensates,
+        )
+
+    def _find_ends(self, before: Array, reasons: dict[int, str]) -> None:
         """Note environments that left the joint range or the finite numbers; put the latter back to `before`."""
-        q = self.plant.q
-        inside = (q >= self._range[:, 0]) & (q <= self._range[:, 1])
-        finite = self.plant.finite
-        if inside.all() and finite.all():
-            return
-        for i in np.flatnonzero(~finite):
+        for i in np.flatnonzero(self._where == LOST):
             reasons.setdefault(int(i), NON_FINITE)
             self.plant.restore(int(i), before)
-        for i in np.flatnonzero(finite & ~inside.all(axis=1)):
+        for i in np.flatnonzero(self._where == OUTSIDE):
             reasons.setdefault(int(i), JOINT_LIMIT)
 
     def observation(self) -> Array:
@@ -213,18 +224,17 @@ class Simulation:
         theta, theta_dot, q, q_dot, z at the new tick; tau_m and tau_ext as applied in the past control tick; tau_f,
         its mean over the past step.
         """
-        plant = self.plant
-        values = {
-            "theta": plant.theta,
-            "theta_dot": plant.theta_dot,
-            "q": plant.q,
-            "q_dot": plant.q_dot,
-            "z": plant.z,
-            "tau_m": self.tau_m,
-            "tau_ext": self.tau_ext,
-            "tau_f": self.tau_f,
+        q, q_dot, theta, theta_dot, z = self.plant.snapshot()
+        return {
+            "theta": theta,
+            "theta_dot": theta_dot,
+            "q": q,
+            "q_dot": q_dot,
+            "z": z,
+            "tau_m": self.tau_m.copy(),
+            "tau_ext": self.tau_ext.copy(),
+            "tau_f": self.tau_f.copy(),
         }
-        return {name: value.copy() for name, value in values.items()}
 
     def get_state(self) -> SimulationState:
         """A copy of everything that the next step depends on, except the random generators."""

@@ -131,6 +131,31 @@ def _kick(q, w, theta, v, z, load, tau_m, p, lower, h, damped, a, v_mid, w_mid, 
         w[j] = 2.0 * w_mid[j] - w[j]
 
 
+@njit(cache=True, error_model="numpy")
+def predict(state, q_dot_before, dt, q, q_dot):
+    """The predicted middle of a control period of dt seconds, into q and q_dot (num_envs, dof).
+
+    q_middle = q + q' dt/2, q'_middle = q' + (q' - q'_before)/2; q_dot_before becomes the present q'.
+    """
+    num_envs, dof = q.shape
+    for i in range(num_envs):
+        for j in range(dof):
+            rate = state[1, i, j]
+            q[i, j] = state[0, i, j] + (0.5 * dt) * rate
+            q_dot[i, j] = 1.5 * rate - 0.5 * q_dot_before[i, j]
+            q_dot_before[i, j] = rate
+
+
+@njit(cache=True, error_model="numpy")
+def spring_torque(state, parameters, tau_j):
+    """What the torque sensors measure, K_j (theta - q) + D_j (theta' - q'), into tau_j (num_envs, dof)."""
+    num_envs, dof = tau_j.shape
+    for i in range(num_envs):
+        for j in range(dof):
+            spring = parameters[i, j, 0] * (state[2, i, j] - state[0, i, j])
+            tau_j[i, j] = spring + parameters[i, j, 1] * (state[3, i, j] - state[1, i, j])
+
+
 @njit(cache=True, error_model="numpy", nogil=True)
 def advance(state, tau_m, load, inertia, row_nonzeros, row_start, columns, parameters, h, steps, tau_f):
     """Advance every environment by `steps` micro-steps of h seconds, in place.

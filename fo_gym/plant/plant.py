@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.parameters import FlexibleJoint, LuGre, per_joint
-from fo_gym.plant.kernel import PARAMETERS, STATE, advance
+from fo_gym.plant.kernel import PARAMETERS, STATE, advance, predict, spring_torque
 from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.plant.robot import Robot
 from fo_gym.plant.steps import check_steps, micro_steps
@@ -154,8 +154,9 @@ class FlexibleJointPlant:
     @property
     def tau_j(self) -> Array:
         """What the torque sensors measure, K_j (theta - q) + D_j (theta' - q'), (num_envs, dof), N or N m."""
-        spring: Array = self.stiffness * (self.theta - self.q)
-        return spring + self.damping * (self.theta_dot - self.q_dot)
+        tau_j = np.empty_like(self.q)
+        spring_torque(self._state, self._parameters, tau_j)
+        return tau_j
 
     def step(self, tau_m: Array, tau_ext: Array) -> None:
         """Advance one control period with motor and external torques held, (num_envs, dof) each, N or N m.
@@ -166,11 +167,9 @@ class FlexibleJointPlant:
         for name, torque in (("tau_m", tau_m), ("tau_ext", tau_ext)):
             if torque.shape != self.q.shape:
                 raise ValueError(f"{name} has shape {torque.shape}; this plant needs {self.q.shape}")
-        middle = self.q + (0.5 * self.control_dt) * self.q_dot
-        inertia, bias = self.body.dynamics(middle, 1.5 * self.q_dot - 0.5 * self._q_dot_before)
-        self._q_dot_before[:] = self.q_dot
-        layout = self.body.layout
-        load = tau_ext - bias
+        predict(self._state, self._q_dot_before, self.control_dt, *self.body.inputs)
+        inertia, bias = self.body.forward()
+        layout, load = self.body.layout, tau_ext - bias
         advance(self._state, tau_m, load, inertia, *layout, self._parameters, self.physics_dt, self.steps, self.tau_f)
         self._ticks += 1
 
@@ -179,11 +178,19 @@ class FlexibleJointPlant:
         """Which environments have a finite state, (num_envs,)."""
         return np.asarray(np.isfinite(self._state).all(axis=(0, 2)))
 
-    def restore(self, i: int, state: PlantState) -> None:
-        """Put environment i alone back to where it was in `state`."""
-        for row, name in enumerate(STATE):
-            self._state[row, i] = getattr(state, name)[i]
-        self._q_dot_before[i] = state.q_dot_before[i]
+    @property
+    def motion(self) -> Array:
+        """The motion as one array, (5, num_envs, dof), rows as in the kernel's STATE; not a copy."""
+        return self._state
+
+    def snapshot(self) -> Array:
+        """A copy of `motion`."""
+        return self._state.copy()
+
+    def restore(self, i: int, snapshot: Array) -> None:
+        """Put environment i alone back to where it was at `snapshot`."""
+        self._state[:, i] = snapshot[:, i]
+        self._q_dot_before[i] = self.q_dot[i]
         self.tau_f[i] = 0.0
 
     def get_state(self) -> PlantState:

@@ -42,6 +42,7 @@ class RigidBody:
     Attributes:
         robot: what was loaded.
         model: the compiled MuJoCo model.
+        layout: (row_nonzeros, row_start, columns) of the sparse lower triangle in which `dynamics` gives M.
         mass_scale: factor on the masses of each environment, (num_envs,).
     """
 
@@ -53,6 +54,7 @@ class RigidBody:
         self._make_batch()
 
     def _make_batch(self) -> None:
+        self.layout = self.model.M_rownnz, self.model.M_rowadr, self.model.M_colind
         self._batch = Batch(self.model, self.num_envs, nthread=1)
         self._qpos = self._batch.bind("qpos")
         self._qvel = self._batch.bind("qvel")
@@ -76,11 +78,6 @@ class RigidBody:
         self.__dict__.update(state)
         self._make_batch()
 
-    @property
-    def layout(self) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]:
-        """(row_nonzeros, row_start, columns) of the sparse lower triangle in which `dynamics` gives M."""
-        return self.model.M_rownnz, self.model.M_rowadr, self.model.M_colind
-
     def scale_mass(self, scale: Array, ids: Ids = None) -> None:
         """Multiply all masses and inertias of the file by `scale`, (n,), for the named environments.
 
@@ -101,6 +98,16 @@ class RigidBody:
         self._qvel[rows] = q_dot
         self._batch.forward(ids, _VELOCITY_STAGE)
         return rows
+
+    @property
+    def inputs(self) -> tuple[Array, Array]:
+        """Where `forward` reads q and q_dot, (num_envs, dof) each, to be written into."""
+        return self._qpos, self._qvel
+
+    def forward(self) -> tuple[Array, Array]:
+        """What `dynamics` gives, for all environments at `inputs`; M in memory that the next query overwrites."""
+        self._batch.forward(None, _VELOCITY_STAGE)
+        return self._inertia, self._bias - self._passive
 
     def dynamics(self, q: Array, q_dot: Array, ids: Ids = None) -> tuple[Array, Array]:
         """Inertia and bias at (q, q_dot), (n, dof) each.

@@ -61,10 +61,12 @@ class StepControl:
         self._gravity = np.zeros((2, *shape))
         self.theta_d = np.zeros(shape)
         self._gravity_d = np.zeros(shape)
+        self._stepped = -1
         self.reference = np.zeros((plant.num_envs, 0))
 
     def reset(self, ids: Ids, scenarios: Sequence[Scenario]) -> None:
         """See TaskControl."""
+        self._stepped = -1
         poses = np.array([[scenario.q_start, scenario.target] for scenario in scenarios])
         for phase in (0, 1):
             q_d = poses[:, phase]
@@ -73,9 +75,13 @@ class StepControl:
 
     def update(self, ticks: NDArray[np.int64]) -> None:
         """See TaskControl."""
-        after = (ticks >= self._step_tick)[:, None]
-        self.theta_d = np.where(after, self._theta_d[1], self._theta_d[0])
-        self._gravity_d = np.where(after, self._gravity[1], self._gravity[0])
+        after = ticks >= self._step_tick
+        stepped = int(np.count_nonzero(after))
+        if stepped == self._stepped:
+            return  # between two resets time only goes on: the same number of environments are the same ones
+        self._stepped = stepped
+        self.theta_d = np.where(after[:, None], self._theta_d[1], self._theta_d[0])
+        self._gravity_d = np.where(after[:, None], self._gravity[1], self._gravity[0])
 
     def torque(self, theta: Array, theta_dot: Array) -> Array:
         """See TaskControl."""

@@ -1,0 +1,94 @@
+"""What every control tick does for every environment, compiled: a step of one environment is no dearer than it must be.
+
+Environment by environment and joint by joint, so that neighbours do not matter.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+INSIDE, OUTSIDE, LOST = 0, 1, 2
+"""Where a joint's link is: in its range, out of it, or no longer a finite number."""
+
+__all__ = ["INSIDE", "LOST", "OUTSIDE", "rewards", "torques", "whereabouts"]
+
+
+@njit(cache=True, error_model="numpy")
+def torques(ticks, dt, push_time, push_duration, push_torque, tau_c, action, limit, compensates):
+    """Torques that are held over the coming control period.
+
+    Args:
+        ticks: control ticks since reset, (num_envs,); a push is sampled in the middle of the period.
+        dt: control period [s].
+        push_time, push_duration: start and length of each environment's sin^2 push [s], (num_envs,); 0 long = none.
+        push_torque: its peak, (num_envs, dof).
+        tau_c: control torque, (num_envs, dof).
+        action: tau_f_hat or tau_m, (num_envs, dof), clipped to +-limit (dof,).
+        compensates: whether the action is tau_f_hat.
+
+    Returns:
+        tau_m, tau_ext: (num_envs, dof) each, N or N m.
+    """
+    tau_m, tau_ext = np.empty_like(tau_c), np.zeros_like(tau_c)
+    num_envs, dof = tau_c.shape
+    for i in range(num_envs):
+        since = (ticks[i] + 0.5) * dt - push_time[i]
+        if 0.0 < since < push_duration[i]:
+            share = math.sin(math.pi * (since / push_duration[i])) ** 2
+            for j in range(dof):
+                tau_ext[i, j] = push_torque[i, j] * share
+        for j in range(dof):
+            value = min(max(action[i, j], -limit[j]), limit[j])
+            tau_m[i, j] = tau_c[i, j] - value if compensates else value
+    return tau_m, tau_ext
+
+
+@njit(cache=True, error_model="numpy")
+def whereabouts(state, low, high, where):
+    """Where each environment is, into `where` (num_envs,): INSIDE, OUTSIDE or LOST; returns whether all are inside.
+
+    Args:
+        state: the plant's (5, num_envs, dof); row 0 is q.
+        low, high: joint range, (dof,).
+        where: out.
+    """
+    rows, num_envs, dof = state.shape
+    everyone = True
+    for i in range(num_envs):
+        where[i] = INSIDE
+        for j in range(dof):
+            if not low[j] <= state[0, i, j] <= high[j]:
+                where[i] = OUTSIDE
+        for row in range(rows):
+            for j in range(dof):
+                if not math.isfinite(state[row, i, j]):
+                    where[i] = LOST
+        everyone = everyone and where[i] == INSIDE
+    return everyone
+
+
+@njit(cache=True, error_model="numpy")
+def rewards(tau_m, previous, limit, distance, accuracy, weight):
+    """Closeness (1 - weight roughness), (num_envs,).
+
+    closeness = 1 / (1 + distance / accuracy); roughness is the mean change of tau_m over joints as a share of the
+    torque limit, at most 1.
+
+    Args:
+        tau_m, previous: motor torque of this and of the last step, (num_envs, dof).
+        limit: torque limits, (dof,).
+        distance: from the reference, (num_envs,).
+        accuracy: distance of half closeness.
+        weight: of roughness.
+    """
+    num_envs, dof = tau_m.shape
+    reward = np.empty(num_envs)
+    for i in range(num_envs):
+        change = 0.0
+        for j in range(dof):
+            change += abs(tau_m[i, j] - previous[i, j]) / limit[j]
+        reward[i] = (1.0 - weight * min(change / dof, 1.0)) / (1.0 + distance[i] / accuracy)
+    return reward
