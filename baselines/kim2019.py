@@ -61,7 +61,7 @@ class PIDObserver:
     Args:
         L: bandwidth [1/s], above 0.
         Lp: [1/s], above 0.
-        Li: [1/s^2], above 0, with Lp^2 > 2 Li (the paper's condition for a passive observer).
+        Li: [1/s^2], above 0, with Lp^2 > 2 Li (the paper's condition, for its Q > 0).
     """
 
     feedback = "nominal"

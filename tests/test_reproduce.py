@@ -5,13 +5,15 @@ from __future__ import annotations
 import csv
 from pathlib import Path
 
+import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
 from fo_gym.cli import app
 from fo_gym.reproduction import run
 from fo_gym.reproduction.claims import CLAIMS
-from fo_gym.reproduction.report import tolerance, write_reproduction
+from fo_gym.reproduction.figures import FIGURES, FigureSpec
+from fo_gym.reproduction.report import PLACES, page, tolerance, write_reproduction
 from fo_gym.reproduction.run import PARTS, TABLES, reproduce, size, surprises
 from fo_gym.reproduction.statement import Finding, Statement, at_most
 from fo_gym.reproduction.subject import Subject
@@ -47,7 +49,7 @@ def _silence(name: str, done: int) -> None:
 def test_rows(small: dict[str, Statement], tmp_path: Path) -> None:
     found = reproduce(("claims", "fidelity"), QUICK, tmp_path, on_unit=_silence)
     table = found.tables["claims"].set_index("id")
-    assert table["verdict"].to_dict() == {"holds": "holds", "known": "fails", "broken": "fails"}
+    assert table["verdict"].to_dict() == {"holds": "holds", "known": "fails", "broken": "not measured"}
     assert table.loc["known", "explanation"] == "Three is more than two."
     assert table.loc["holds", ["number", "high", "unit"]].tolist() == [1.0, 2.0, "m"]
     assert table["low"].isna().all()
@@ -63,6 +65,33 @@ def test_a_statement_that_holds_against_expectation_is_a_surprise(small: dict[st
     found = reproduce(("claims",), QUICK, tmp_path, on_unit=_silence)
     assert surprises(found) == ["known"]
     assert found.tables["claims"].set_index("id").loc["known", "explanation"] == ""
+
+
+def test_a_crash_of_a_known_failure_is_a_surprise(small: dict[str, Statement], tmp_path: Path) -> None:
+    """Its explanation explains something else."""
+    small.clear()
+    small["known"] = Statement("known", "nobody", "It can be measured.", "Because.", _breaks)
+    found = reproduce(("claims",), QUICK, tmp_path, on_unit=_silence)
+    assert surprises(found) == ["known"]
+    assert found.tables["claims"].loc[0, ["verdict", "explanation"]].tolist() == ["not measured", ""]
+
+
+def test_a_figure_that_cannot_be_drawn_loses_nothing_else(
+    small: dict[str, Statement], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    del small["broken"]
+    spec = FigureSpec("nothing", "Nothing.", _breaks)  # type: ignore[arg-type]
+    monkeypatch.setattr(run, "FIGURES", {"nothing": spec})
+    monkeypatch.setitem(FIGURES, "nothing", spec)
+    found = reproduce(PARTS, QUICK, tmp_path, on_unit=_silence)
+    assert list(found.tables) == ["claims", "fidelity"]
+    assert found.errors == {"nothing": "ArithmeticError: nothing to divide by"}
+    assert surprises(found) == ["nothing"]
+
+
+def test_unknown_parts_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"unknown parts \['claim'\]; allowed are 'claims', 'fidelity', 'figures'"):
+        reproduce(("claim",), QUICK, tmp_path, on_unit=_silence)
 
 
 def test_files(small: dict[str, Statement], tmp_path: Path) -> None:
@@ -103,7 +132,7 @@ def test_command(small: dict[str, Statement], tmp_path: Path) -> None:
     )
     assert answer.exit_code == 2
     assert "3 statements: 1 hold" in answer.output
-    assert "verdicts that are not the known ones: broken" in answer.output
+    assert "not as it is known to be: broken" in answer.output
     assert (tmp_path / "paper" / "claims.csv").is_file()
     del small["broken"]
     options = ["reproduce", "--only", "claims", "--jobs", "1", "--out", str(tmp_path)]
@@ -119,14 +148,15 @@ def test_command_refuses() -> None:
     assert "--jobs is 0" in answer.output
 
 
-@pytest.mark.parametrize(("name", "table"), [("paper/claims", "claims"), ("fidelity", "fidelity")])
-def test_published_tables_are_of_today(name: str, table: str) -> None:
-    """The committed tables have the statements that the code has, with the known verdicts."""
-    with (ROOT / "leaderboard" / f"{name}.csv").open(encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert [row["id"] for row in rows] == list(TABLES[table])
-    for row in rows:
+@pytest.mark.parametrize("table", TABLES)
+def test_published_tables_are_of_today(table: str) -> None:
+    """The committed tables have the statements that the code has, with the known verdicts, and the pages show them."""
+    path = ROOT / "leaderboard" / f"{PLACES[table]}.csv"
+    published = pd.read_csv(path, dtype={"unit": str, "explanation": str}).fillna({"unit": "", "explanation": ""})
+    assert list(published["id"]) == list(TABLES[table])
+    for row in published.to_dict("records"):
         statement = TABLES[table][row["id"]]
         assert (row["source"], row["statement"]) == (statement.source, statement.text)
         assert (row["verdict"] == "fails") == bool(statement.fails)
         assert row["explanation"] == statement.fails
+    assert path.with_suffix(".md").read_text(encoding="utf-8") == page(table, published, FIGURES)

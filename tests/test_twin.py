@@ -95,7 +95,7 @@ def test_motors_inherit_nothing_from_the_file(pendulum: MakeRobot) -> None:
     model, data = plant.to_mujoco()
     assert model.nkey == 0
     np.testing.assert_array_equal(model.dof_damping, [0.5, 0.5, 0.4, 0.4])
-    np.testing.assert_array_equal(model.dof_armature, [0.2, 0.2, 0.0, 0.0])
+    np.testing.assert_allclose(model.dof_armature, [0.2, 0.2, 1.0, 1.0], rtol=1e-8)  # the motors' B
     np.testing.assert_array_equal(model.jnt_limited[2:], 0)
     step_twin(model, data, plant.tau_j[0], np.zeros(2), 100)
     assert data.nefc == 0, "the links' range acts"
@@ -170,3 +170,25 @@ def test_first_steps_agree_with_the_plant(pendulum: MakeRobot, kind: str, integr
     bristles = [data.actuator(f"{name}_friction").force[0] for name in plant.robot.joints]
     np.testing.assert_allclose(bristles - 0.4 * data.qvel[2:], plant.tau_f[0], rtol=1e-2)
     assert data.time == pytest.approx(plant.time[0])
+
+
+@pytest.mark.parametrize(
+    "rest",
+    [
+        '<default><joint actuatorfrcrange="-1 1"/></default>',
+        '<default><motor ctrlrange="-1 1"/></default>',
+        '<default><general ctrlrange="-1 1" forcerange="-1 1"/></default>',
+        '<default><tendon armature="2" damping="50"/></default>',
+        '<option density="1.2" viscosity="2e-5"/>',
+    ],
+)
+def test_defaults_and_air_of_the_file_do_not_reach_the_motors(pendulum: MakeRobot, rest: str) -> None:
+    """Under 20 N m at both motors for 0.2 s the twin does what the plant does, up to its own error at 1e-4 s."""
+    plant = plant_of(pendulum(rest=rest))
+    model, data = plant.to_mujoco()
+    start = plant.q[0].copy()
+    for _ in range(200):
+        plant.step(np.full((1, 2), 20.0), np.zeros((1, 2)))
+    step_twin(model, data, np.full(2, 20.0), np.zeros(2), 2000)
+    assert np.abs(plant.q[0] - start).max() > 0.1
+    np.testing.assert_allclose(data.qpos, np.concatenate([plant.q[0], plant.theta[0]]), atol=5e-3)

@@ -5,11 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Literal
 
+import pandas as pd
 import typer
 from rich.markup import escape
 from rich.table import Table
 
-from fo_gym.cli.console import Stop, check_jobs, console, progress_bar, tell_written
+from fo_gym.cli.console import Stop, check_jobs, console, errors, progress_bar, tell_written
 
 __all__ = ["run_reproduce"]
 
@@ -39,8 +40,8 @@ def run_reproduce(
     """
     check_jobs(jobs)
     try:
-        from fo_gym.reproduction.report import counts, tolerance, write_reproduction  # noqa: PLC0415
-        from fo_gym.reproduction.run import FAILS, PARTS, reproduce, size, surprises  # noqa: PLC0415
+        from fo_gym.reproduction.report import counts, write_reproduction  # noqa: PLC0415
+        from fo_gym.reproduction.run import PARTS, reproduce, size, surprises  # noqa: PLC0415
         from fo_gym.reproduction.subject import Subject  # noqa: PLC0415
     except ModuleNotFoundError as error:  # Pinocchio is heavy, and nothing else needs it
         raise Stop(f"{error}; install what `fo-gym reproduce` needs with: pip install 'fo-gym[reproduce]'") from error
@@ -49,15 +50,23 @@ def run_reproduce(
     with progress_bar(size(parts)) as advance:
         found = reproduce(parts, Subject(quick=quick), folder / "paper" / "figures", jobs=jobs, on_unit=advance)
     for name, table in found.tables.items():
-        view = Table(title=f"{name}: {counts(table)}")
-        for heading in ("id", "number", "tolerance", "verdict"):
-            view.add_column(heading, justify="right" if heading == "number" else "left", overflow="fold")
-        for row in table.to_dict("records"):
-            number = f"{row['number']:.4g} {row['unit']}".strip()
-            verdict = f"[bold]{row['verdict']}[/]" if row["verdict"] == FAILS else str(row["verdict"])
-            view.add_row(str(row["id"]), escape(number), tolerance(row["low"], row["high"]), verdict)
-        console.print(view)
+        console.print(_view(f"{name}: {counts(table)}", table))
     tell_written(write_reproduction(found, folder))
+    for name, reason in found.errors.items():
+        errors.print(f"figure {name}: {reason}", highlight=False, markup=False)
     unexpected = surprises(found)
     if unexpected:
-        raise Stop(f"verdicts that are not the known ones: {', '.join(unexpected)}; see the column 'measured'")
+        raise Stop(f"not as it is known to be: {', '.join(unexpected)}; see the column 'measured'")
+
+
+def _view(title: str, table: pd.DataFrame) -> Table:
+    from fo_gym.reproduction.report import number, tolerance  # noqa: PLC0415
+
+    view = Table(title=title)
+    for heading in ("id", "number", "tolerance", "verdict"):
+        view.add_column(heading, justify="right" if heading == "number" else "left", overflow="fold")
+    for row in table.to_dict("records"):
+        verdict = row["verdict"] if row["verdict"] == "holds" else f"[bold]{row['verdict']}[/]"
+        cells = (row["id"], number(row["number"], row["unit"]), tolerance(row["low"], row["high"]))
+        view.add_row(*(escape(str(cell)) for cell in cells), verdict)
+    return view

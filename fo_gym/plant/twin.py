@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -19,6 +20,9 @@ INTEGRATORS = {
     "rk4": mujoco.mjtIntegrator.mjINT_RK4,
 }
 
+_MASS, _INERTIA = 1e-6, 1e-12
+"""Of a motor's body [kg, kg m^2]: MuJoCo does not take zero, and makes the body's size in air from their ratio."""
+
 __all__ = ["INTEGRATORS", "twin_model"]
 
 
@@ -27,9 +31,9 @@ def twin_model(
 ) -> mujoco.MjModel:
     """The robot with a motor, a spring and LuGre friction at every joint, as one MuJoCo model.
 
-    Every motor is a body of inertia B fixed to the world at a joint "<joint>_motor", so that the links do not carry
-    it; a fixed tendon "<joint>_spring" is K_j and D_j; the passive DC motor "<joint>_friction" is the bristle, whose
-    deflection z is its activation; the actuator "<joint>_motor" takes tau_m as its control.
+    Every motor is a joint "<joint>_motor" of inertia B on a body of its own in the world, so that the links do not
+    carry it; a fixed tendon "<joint>_spring" is K_j and D_j; the passive DC motor "<joint>_friction" is the bristle,
+    whose deflection z is its activation; the actuator "<joint>_motor" takes tau_m as its control.
 
     Args:
         robot: the link side.
@@ -63,30 +67,34 @@ def twin_model(
 def _add_motor(spec: mujoco.MjSpec, name: str, place: int, p: dict[str, float]) -> None:
     """Motor, spring and friction of one joint; p holds its PARAMETERS."""
     link = spec.joint(name)
-    inertia = p["motor_inertia"]
-    # A joint made here would inherit the file's defaults (range, damping, armature, ...): all that matters is set.
+    hinge = link.type == mujoco.mjtJoint.mjJNT_HINGE
+    # What is made here inherits the file's defaults: all that matters to the dynamics is set. The inertia is the
+    # joint's armature, so that air drag and a prescribed total mass, which go by bodies, find next to nothing.
     body = spec.worldbody.add_body(
         name=f"{name}_motor",
         pos=[-0.4, 0.2 * place, 0.1],
         gravcomp=1.0,
         ipos=[0.0, 0.0, 0.0],
-        mass=inertia,
-        inertia=[inertia] * 3,
+        mass=_MASS,
+        inertia=[_INERTIA] * 3,
         explicitinertial=True,
     )
     body.add_joint(
         name=f"{name}_motor",
         type=link.type,
-        axis=[0.0, 1.0, 0.0] if link.type == mujoco.mjtJoint.mjJNT_HINGE else link.axis,
+        axis=[0.0, 1.0, 0.0] if hinge else link.axis,
         limited=mujoco.mjtLimited.mjLIMITED_FALSE,
         damping=[p["sigma_2"], 0.0, 0.0],
         stiffness=[0.0, 0.0, 0.0],
-        armature=0.0,
+        armature=p["motor_inertia"] - (_INERTIA if hinge else _MASS),
         frictionloss=0.0,
+        actfrclimited=mujoco.mjtLimited.mjLIMITED_FALSE,
     )
     looks = {"contype": 0, "conaffinity": 0, "mass": 0.0, "rgba": [0.17, 0.25, 0.35, 1.0]}
     body.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.05, 0.02, 0.05], **looks)
     spring = spec.add_tendon(name=f"{name}_spring", stiffness=[p["stiffness"], 0.0, 0.0], springlength=[0.0, 0.0])
+    spring.armature, spring.frictionloss = 0.0, 0.0
+    spring.limited = spring.actfrclimited = mujoco.mjtLimited.mjLIMITED_FALSE
     spring.damping = [p["damping"], 0.0, 0.0]
     spring.wrap_joint(f"{name}_motor", 1.0)
     spring.wrap_joint(name, -1.0)
@@ -94,6 +102,7 @@ def _add_motor(spec: mujoco.MjSpec, name: str, place: int, p: dict[str, float]) 
         name=f"{name}_motor", target=f"{name}_motor", trntype=mujoco.mjtTrn.mjTRN_JOINT, gear=[1.0] + [0.0] * 5
     )
     motor.set_to_motor()
+    _unlimited(motor)
     if p["sigma_0"] > 0.0:
         bristle = spec.add_actuator(
             name=f"{name}_friction", target=f"{name}_motor", trntype=mujoco.mjtTrn.mjTRN_JOINT, gear=[1.0] + [0.0] * 5
@@ -101,3 +110,10 @@ def _add_motor(spec: mujoco.MjSpec, name: str, place: int, p: dict[str, float]) 
         lugre = [p[field] for field in ("sigma_0", "sigma_1", "f_c", "f_s", "v_s")]
         none = mujoco.mjtCtrlInput.mjINPUT_NONE  # passive: no input, no electrical branch
         bristle.set_to_dcmotor(motorconst=[0.0, 0.0], resistance=1.0, lugre=lugre, ctrlspec=none)
+        _unlimited(bristle)
+
+
+def _unlimited(actuator: Any) -> None:
+    never = mujoco.mjtLimited.mjLIMITED_FALSE
+    actuator.ctrllimited = actuator.forcelimited = actuator.actlimited = never
+    actuator.damping, actuator.armature = [0.0, 0.0, 0.0], 0.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -22,18 +23,25 @@ _INTRODUCTION = {
     "below the table. The arm's rows are about our arm, not about the paper's robot.\n",
     "fidelity": "# Certificate of the physics\n\n"
     "Every row holds the plant against something that is not the plant: a stiff solver on the written-out equations, "
-    "Pinocchio's rigid body, MuJoCo's own LuGre friction, published experiments, the balance of energy. It holds where "
+    "Pinocchio's rigid body, MuJoCo's own LuGre friction, known experiments, the balance of energy. It holds where "
     "the number lies within the tolerance.\n",
 }
 
-__all__ = ["PLACES", "counts", "page", "tolerance", "write_reproduction"]
+__all__ = ["PLACES", "counts", "number", "page", "tolerance", "write_reproduction"]
 
 
 def tolerance(low: float, high: float) -> str:
     """An interval as text; NaN is an open end."""
+    if np.isnan(low) and np.isnan(high):
+        return "-"
     if np.isnan(low):
         return f"≤ {high:.4g}"
     return f"≥ {low:.4g}" if np.isnan(high) else f"{low:.4g} to {high:.4g}"
+
+
+def number(value: float, unit: str) -> str:
+    """A number with its unit; "-" where nothing was measured."""
+    return "-" if np.isnan(value) else f"{value:.4g} {unit}".strip()
 
 
 def counts(table: pd.DataFrame) -> str:
@@ -43,15 +51,15 @@ def counts(table: pd.DataFrame) -> str:
     return f"{len(table)} statements: {held} hold, {rest} {'does' if rest == 1 else 'do'} not"
 
 
-def page(name: str, table: pd.DataFrame) -> str:
-    """One table as a Markdown page, with the reasons of what does not hold, and for the claims the figures."""
+def page(name: str, table: pd.DataFrame, figures: Iterable[str] = (), *, quick: bool = False) -> str:
+    """One table as a Markdown page, with the reasons of what does not hold; on the claims' page the named figures."""
     cells = [
         (
             f"`{row['id']}`",
             row["source"],
             row["statement"],
             row["measured"],
-            f"{row['number']:.4g} {row['unit']}".strip(),
+            number(row["number"], row["unit"]),
             tolerance(row["low"], row["high"]),
             row["verdict"] if row["verdict"] == HOLDS else f"**{row['verdict']}**",
         )
@@ -64,7 +72,7 @@ def page(name: str, table: pd.DataFrame) -> str:
     stamps = [column for column in map(str, table) if column.startswith("version_")]
     parts = [
         _INTRODUCTION[name],
-        f"{counts(table)}. Made by `fo-gym reproduce --only {name}` with "
+        f"{counts(table)}. Made by `fo-gym reproduce{' --quick' if quick else ''}` with "
         + ", ".join(f"{stamp.removeprefix('version_')} {table[stamp].iloc[0]}" for stamp in stamps)
         + ".\n",
         markdown(ranking),
@@ -72,7 +80,10 @@ def page(name: str, table: pd.DataFrame) -> str:
     if reasons:
         parts += ["## Why these do not hold\n", "\n".join(reasons) + "\n"]
     if name == "claims":
-        parts += [f"## {figure.caption}\n\n![{stem}](figures/{stem}.png)\n" for stem, figure in FIGURES.items()]
+        shown = {stem: FIGURES[stem] for stem in figures}
+        parts += [
+            f"## {spec.title}\n\n![{stem}](figures/{stem}.png)\n\n{spec.caption}\n" for stem, spec in shown.items()
+        ]
     return "\n".join(parts)
 
 
@@ -82,7 +93,10 @@ def write_reproduction(reproduction: Reproduction, out: Path) -> list[Path]:
     for name, table in reproduction.tables.items():
         stem = out / PLACES[name]
         stem.parent.mkdir(parents=True, exist_ok=True)
-        for ending, text in ((".csv", csv(table)), (".md", page(name, table))):
+        for ending, text in (
+            (".csv", csv(table)),
+            (".md", page(name, table, reproduction.figures, quick=reproduction.quick)),
+        ):
             paths.append(stem.with_name(stem.name + ending))
             atomic(paths[-1], text)
-    return [*paths, *reproduction.figures]
+    return [*paths, *(path for drawn in reproduction.figures.values() for path in drawn)]

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pinocchio
 from joblib import Parallel, delayed
 
 from fo_gym.evaluation.provenance import versions
@@ -24,7 +24,8 @@ TABLES = {"claims": CLAIMS, "fidelity": CHECKS}
 PARTS = ("claims", "fidelity", "figures")
 """What a reproduction consists of."""
 
-HOLDS, FAILS = "holds", "fails"
+HOLDS, FAILS, NOT_MEASURED = "holds", "fails", "not measured"
+"""Verdicts."""
 
 # What shares simulations is run in one process: the long runs of the simulation, and those of the arm.
 _SHARED = {
@@ -32,7 +33,10 @@ _SHARED = {
     "arm": ("experiments", "regulation", "square"),
 }
 
-__all__ = ["FAILS", "HOLDS", "PARTS", "TABLES", "Reproduction", "reproduce", "size", "surprises"]
+_Result = Finding | list[Path] | str
+"""What an item yields: a finding, the files of a figure, or the error that kept it from either."""
+
+__all__ = ["FAILS", "HOLDS", "NOT_MEASURED", "PARTS", "TABLES", "Reproduction", "reproduce", "size", "surprises"]
 
 
 @dataclass(frozen=True)
@@ -41,11 +45,15 @@ class Reproduction:
 
     Attributes:
         tables: by name ("claims", "fidelity"), one row per statement.
-        figures: the files that were drawn.
+        figures: by name, the files that were drawn.
+        errors: by name, why a figure was not drawn.
+        quick: whether fewer random cases were run than are published.
     """
 
     tables: dict[str, pd.DataFrame]
-    figures: list[Path]
+    figures: dict[str, list[Path]]
+    errors: dict[str, str]
+    quick: bool
 
 
 @dataclass(frozen=True)
@@ -63,17 +71,17 @@ class _Item:
             return f"fidelity {stem}"
         return next((unit for unit, stems in _SHARED.items() if stem in stems), stem)
 
-    def do(self, subject: Subject, folder: Path) -> Finding | list[Path]:
-        """Measure, or draw into `folder`. What goes wrong in a measurement becomes a finding that does not hold."""
-        if self.part == "figures":
-            return draw(self.name, subject, folder)
+    def do(self, subject: Subject, folder: Path) -> _Result:
+        """Measure, or draw into `folder`; what goes wrong comes back as its error."""
         try:
+            if self.part == "figures":
+                return draw(self.name, subject, folder)
             return TABLES[self.part][self.name].measure(subject)
         except Exception as error:
-            return Finding(np.nan, "", -np.inf, np.inf, f"not measured: {type(error).__name__}: {error}")
+            return f"{type(error).__name__}: {error}"
 
 
-def _do_unit(items: list[_Item], subject: Subject, folder: Path) -> list[Finding | list[Path]]:
+def _do_unit(items: list[_Item], subject: Subject, folder: Path) -> list[_Result]:
     return [item.do(subject, folder) for item in items]
 
 
@@ -89,20 +97,23 @@ def _units(parts: Iterable[str]) -> dict[str, list[_Item]]:
     return {name: units[name] for name in order}
 
 
-def _row(statement: Statement, finding: Finding) -> dict[str, object]:
+def _row(statement: Statement, result: _Result) -> dict[str, object]:
+    assert not isinstance(result, list)
+    found = Finding(np.nan, "", -np.inf, np.inf, result) if isinstance(result, str) else result
+    verdict = NOT_MEASURED if isinstance(result, str) else HOLDS if found.holds else FAILS
     return {
         "id": statement.id,
         "source": statement.source,
         "statement": statement.text,
-        "measured": finding.measured,
-        "number": finding.number,
-        "unit": finding.unit,
-        "low": finding.low if np.isfinite(finding.low) else np.nan,
-        "high": finding.high if np.isfinite(finding.high) else np.nan,
-        "verdict": HOLDS if finding.holds else FAILS,
-        "explanation": "" if finding.holds else statement.fails,
+        "measured": found.measured,
+        "number": found.number,
+        "unit": found.unit,
+        "low": found.low if np.isfinite(found.low) else np.nan,
+        "high": found.high if np.isfinite(found.high) else np.nan,
+        "verdict": verdict,
+        "explanation": statement.fails if verdict == FAILS else "",
         **versions(),
-        "version_pin": version("pin"),
+        "version_pin": pinocchio.__version__,
     }
 
 
@@ -117,32 +128,36 @@ def reproduce(
         folder: where figures go.
         jobs: worker processes; -1 = one per core. The numbers do not depend on it.
         on_unit: called with a name and the number of items done whenever some are.
+
+    Raises:
+        ValueError: there is no such part.
     """
-    units = _units(tuple(parts))
-    found: dict[_Item, Finding | list[Path]] = {}
+    parts = tuple(parts)
+    if unknown := set(parts) - set(PARTS):
+        raise ValueError(f"unknown parts {sorted(unknown)}; allowed are {', '.join(map(repr, PARTS))}")
+    units = _units(parts)
+    found: dict[_Item, _Result] = {}
     for (unit, items), results in zip(units.items(), _results(units, subject, folder, jobs), strict=True):
         found |= dict(zip(items, results, strict=True))
         on_unit(unit, len(items))
     tables = {
-        part: pd.DataFrame([_row(statement, _finding(found[_Item(part, name)])) for name, statement in table.items()])
+        part: pd.DataFrame([_row(statement, found[_Item(part, name)]) for name, statement in table.items()])
         for part, table in TABLES.items()
-        if any(item.part == part for item in found)
+        if part in parts
     }
-    drawn = [found[_Item("figures", name)] for name in FIGURES if _Item("figures", name) in found]
-    return Reproduction(tables, [path for paths in drawn if isinstance(paths, list) for path in paths])
+    drawn = {name: found[_Item("figures", name)] for name in FIGURES if "figures" in parts}
+    return Reproduction(
+        tables,
+        figures={name: paths for name, paths in drawn.items() if isinstance(paths, list)},
+        errors={name: error for name, error in drawn.items() if isinstance(error, str)},
+        quick=subject.quick,
+    )
 
 
-def _results(
-    units: dict[str, list[_Item]], subject: Subject, folder: Path, jobs: int
-) -> Iterator[list[Finding | list[Path]]]:
+def _results(units: dict[str, list[_Item]], subject: Subject, folder: Path, jobs: int) -> Iterator[list[_Result]]:
     # Threads inside a worker would fight the other workers for the cores.
     parallel = Parallel(n_jobs=jobs, return_as="generator", inner_max_num_threads=1 if jobs != 1 else None)
     yield from parallel(delayed(_do_unit)(items, subject, folder) for items in units.values())
-
-
-def _finding(result: Finding | list[Path]) -> Finding:
-    assert isinstance(result, Finding)
-    return result
 
 
 def size(parts: Iterable[str]) -> int:
@@ -151,10 +166,14 @@ def size(parts: Iterable[str]) -> int:
 
 
 def surprises(reproduction: Reproduction) -> list[str]:
-    """Statements, by id, whose verdict is not the one that is known: the alarm of a release that changes something."""
-    return [
+    """What is not as it is known to be: statements with another verdict, by id, and figures that were not drawn.
+
+    It is the alarm of a release that changes something.
+    """
+    changed = [
         str(row.id)
         for name, table in reproduction.tables.items()
         for row in table.itertuples()
-        if (row.verdict == FAILS) != bool(TABLES[name][str(row.id)].fails)
+        if row.verdict != (FAILS if TABLES[name][str(row.id)].fails else HOLDS)
     ]
+    return [*changed, *reproduction.errors]

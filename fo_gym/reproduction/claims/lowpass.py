@@ -17,11 +17,11 @@ from fo_gym.reproduction.subject import Subject
 
 Array = NDArray[np.float64]
 
-_DRAWS, _SECONDS, _SETTLE, _SEGMENT = 16, 10.0, 2.0, 4.0
+_DRAWS, _SECONDS, _SETTLE, _SEGMENT = 16, 14.0, 2.0, 12.0
 _DAMPED = replace(JOINT, damping=20.0)
 """The paper's joint with a damped spring. The observer sees tau_j as it was at the tick, half a period late on average:
 at the resonance of an undamped spring, 77 rad/s, tau_j is so much larger than friction that this alone makes 2 %."""
-_LOWEST = 2.0 * np.pi
+_LOWEST = 2.0
 """From here up to L [rad/s]: below it the segments are too short."""
 
 __all__: list[str] = []

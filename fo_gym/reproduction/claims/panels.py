@@ -1,8 +1,8 @@
 """The six panels of the simulation: who hunts, who settles, who stops short.
 
 The paper shows curves, not numbers: what a panel shows is a verdict, and the bounds below are what it takes. A joint
-hunts if it still moves by a tenth of a millimetre or more after ten seconds, and rests if it moves by less than a
-micrometre.
+hunts if it still moves by a tenth of a millimetre or more after ten seconds, rests if it moves by less than a
+micrometre, and has settled if it stays within a hundredth of a millimetre of the target, a thousandth of the step.
 """
 
 from __future__ import annotations

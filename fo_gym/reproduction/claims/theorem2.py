@@ -97,7 +97,9 @@ def _stuck_work(subject: Subject, name: str) -> tuple[Array, Array]:
     time = _DT * np.arange(60_000)[:, None]
     held = replace(FRICTION, f_c=100.0, f_s=150.0)
     target = _AMPLITUDE * np.sin(_SLOW * time)
-    motion = run_loop(subject.make(name), target, np.zeros_like(target), dt=_DT, friction=held)
+    motion = run_loop(
+        subject.make(name), target, np.zeros_like(target), dt=_DT, physics_dt=subject.physics_dt, friction=held
+    )
     work = np.cumsum(-motion.tau_f_hat * np.diff(motion.e, axis=0), axis=0)
     return work[:, 0], motion.e[:, 0]
 

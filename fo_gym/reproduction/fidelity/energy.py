@@ -97,7 +97,8 @@ def _ledger(subject: Subject) -> _Ledger:
 @check(
     "energy-balance",
     source=CONSERVATION,
-    text="On the 7-joint arm the work of motors and push is what links, springs, motors and bristles store and "
+    text="On the 7-joint arm, with inertia renewed every micro-step, the work of motors and push is what links, "
+    "springs, motors and bristles store and "
     "friction and dampers take, within 1e-7 of the energy turned over.",
 )
 def energy_balance(subject: Subject) -> Finding:
@@ -142,7 +143,7 @@ def _free_motion(generator: np.random.Generator, physics_dt: float | None) -> tu
 
 @check(
     "energy-free-motion",
-    source="passivity of motor, spring and link",
+    source="on these motions friction takes energy throughout",
     text="Left to itself for 4 s, a single joint only loses energy, through slips, reversals and stiction; 1e-6 of "
     "the start is left to the step.",
 )

@@ -21,7 +21,7 @@ CAPTION = (
     "Largest distance of links and motors from an independent solver (LSODA on the equations at a tolerance of 1e-10; "
     "on the arm with Pinocchio's rigid body), under the PID-type observer at low gains sampled at 1 kHz. (a) Two "
     "seconds of the single link, over the step. This plant is of second order through stick and slip; its twin, "
-    "wholly in MuJoCo, converges to it at first order, once the bristles are resolved. (b) The same runs, and solvers "
+    "wholly in MuJoCo, comes closer at first order at most. (b) The same runs, and solvers "
     "of SciPy at several tolerances, over the time spent per simulated second, in one process on one environment. (c) "
     "Half a second of the 7-joint arm, over the step: what remains of the plant's error below 0.1 ms comes from "
     "inertia and bias, which are held over each control period of 1 ms."

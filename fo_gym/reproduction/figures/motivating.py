@@ -29,14 +29,14 @@ Array = NDArray[np.float64]
 
 TITLE = "Motivating example: the estimate grows until friction gives way"
 CAPTION = (
-    "The single link under the PID-type observer: the first break-away, from rest 10 mm off the target, at low and at "
-    "high gains, and a later one at low gains, after a long time in stiction. Above: where the motor is stuck, tau_f "
-    "= tau_f_hat + tau_j - tau_c (the gap between the two curves is what accelerates it: little before it breaks "
-    "free, nothing in a long stop). Since the nominal motor moves on, or the integral grows, the observer pushes "
-    "harder and harder, until friction gives way (dot: the largest friction before the motor passes 2 v_s, dotted "
-    "line). Where the force rises within hundredths of a second that is well below f_s, which is reached only where "
-    "it rises slowly: LuGre breaks away the earlier the faster the force rises. Below: speed of the motor and of the "
-    "nominal motor."
+    "The single link under the PID-type observer: the first break-away, from rest 10 mm off the target, at low and at"
+    " high gains, and a later one at low gains, after a long time in stiction. Above: where the motor is stuck, tau_f"
+    " = tau_f_hat + tau_j - tau_c (the gap between the two curves is what accelerates it: something while it creeps "
+    "before the first break-away, nothing in a long stop). Since the nominal motor moves on, or the integral grows, "
+    "the observer pushes harder and harder, until friction gives way (dot: the largest friction before the motor "
+    "passes 2 v_s, dotted line). Where the force rises within hundredths of a second that is well below f_s, which is"
+    " reached only where it rises slowly: LuGre breaks away the earlier the faster the force rises. Below: speed of "
+    "the motor and of the nominal motor."
 )
 _SLIPS = 2.0 * float(FRICTION.v_s)
 """Speed from which on the motor has broken free [m/s]."""

@@ -16,9 +16,9 @@ CAPTION = (
     "Error of the second motor of the 7-joint arm under joint PD: a step of -5 degrees on every joint at 3 s, a push "
     "at joint 2 at 13 s; the PD-type has no L_i, Le Tien's observer only L. Above whole, in the middle magnified, "
     "below the five seconds before the push (shaded), magnified further. Without compensation the step is not "
-    "answered at all. With the observers the joint rings as it does without friction, until friction decides where it "
-    "rests: the PD-type rests off the target; so does the PID-type at low gains while its integral still grows, and "
-    "at high gains it reaches the target; Le Tien's observer does not settle before the push."
+    "answered at all. At low gains the PID- and the PD-type stop early and rest off the target, where the PID-type's "
+    "integral still grows; at high gains the joint rings nearly as it does without friction, and the PID-type reaches "
+    "the target. Le Tien's observer has not settled before the push."
 )
 _JOINT = 1
 _STEP, _PUSH, _END = 3.0, 13.0, 20.0
