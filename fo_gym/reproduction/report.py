@@ -90,12 +90,14 @@ def page(name: str, table: pd.DataFrame, figures: Iterable[str] = (), *, quick: 
 def write_reproduction(reproduction: Reproduction, out: Path) -> list[Path]:
     """Write the tables into `out` as leaderboard/paper/claims and leaderboard/fidelity are; returns all files."""
     paths = []
+    # Those of an earlier run, too, where this one draws none.
+    shown = [name for name in FIGURES if (out / "paper" / "figures" / f"{name}.png").is_file()]
     for name, table in reproduction.tables.items():
         stem = out / PLACES[name]
         stem.parent.mkdir(parents=True, exist_ok=True)
         for ending, text in (
             (".csv", csv(table)),
-            (".md", page(name, table, reproduction.figures, quick=reproduction.quick)),
+            (".md", page(name, table, shown, quick=reproduction.quick)),
         ):
             paths.append(stem.with_name(stem.name + ending))
             atomic(paths[-1], text)

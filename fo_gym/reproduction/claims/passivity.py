@@ -107,8 +107,7 @@ _register_pushes(
     "letien",
     "Le Tien",
     _MEASURED,
-    "It hunts: where next to nothing was stored, the few hops that a push sets off give out more than that. The excess "
-    "is small, and most pushes get less than what was stored.",
+    "It hunts: where next to nothing was stored, the hops that a push sets off give out many times that.",
 )
 _register_damper("pd", "PD-type", _NOMINAL, "")
 _register_damper("pid", "PID-type", _NOMINAL, _HUNTING)
