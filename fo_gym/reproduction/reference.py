@@ -203,7 +203,7 @@ def continuous(plant: SingleLink, gains: Control, times: Array, rtol: float = 1e
     """Motor angle at `times` under continuous-time control from rest, (len(times),); `gains.dt` plays no part."""
     B = gains.motor_inertia
 
-    def rates(t: float, x: Array) -> list[float]:
+    def _rates(t: float, x: Array) -> list[float]:
         q, w, theta, v, _, theta_n, w_n, integral = x.tolist()
         e, e_rate = theta_n - theta, w_n - v
         position, velocity = (theta_n, w_n) if gains.nominal else (theta, v)
@@ -213,5 +213,5 @@ def continuous(plant: SingleLink, gains: Control, times: Array, rtol: float = 1e
         motion = plant.rates(t, x[:5], np.float64(tau_c - tau_f_hat), np.float64(0.0))
         return [*motion, w_n, (tau_c - tau_j) / B, e]
 
-    solution = odeint(rates, np.zeros(8), times, rtol=rtol, atol=1e-3 * rtol, tfirst=True, mxstep=100_000)
+    solution = odeint(_rates, np.zeros(8), times, rtol=rtol, atol=1e-3 * rtol, tfirst=True, mxstep=100_000)
     return solution[:, 2]

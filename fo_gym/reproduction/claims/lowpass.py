@@ -20,7 +20,9 @@ Array = NDArray[np.float64]
 _DRAWS, _SECONDS, _SETTLE, _SEGMENT = 16, 14.0, 2.0, 12.0
 _DAMPED = replace(JOINT, damping=20.0)
 """The paper's joint with a damped spring. The observer sees tau_j as it was at the tick, half a period late on average:
-at the resonance of an undamped spring, 77 rad/s, tau_j is so much larger than friction that this alone makes 2 %."""
+at the resonance of an undamped spring this shows, see lowpass-undamped."""
+_RESONANCE = 15.0
+"""Width of the undamped spring's resonance, to either side [rad/s]."""
 _LOWEST = 2.0
 """From here up to L [rad/s]: below it the segments are too short."""
 
@@ -80,10 +82,7 @@ def _magnitude(subject: Subject, kind: str) -> Finding:
     worst = max(errors, key=lambda gains: float(errors[gains].max()))
     omega = _ratios(subject, kind)[worst][1]
     place = f"{worst} gains at {omega[errors[worst].argmax()]:.0f} rad/s"
-    ratio, omega = _ratio(subject, f"{kind}-high", JOINT)
-    undamped = np.abs(np.abs(ratio) - 1.0)
-    text = f"largest relative error of |tau_f_hat / tau_f| {_WHERE} ({place}); undamped, high gains, "
-    text += f"{undamped.max():.2g} at {omega[undamped.argmax()]:.0f} rad/s, the spring's resonance"
+    text = f"largest relative error of |tau_f_hat / tau_f| {_WHERE} ({place})"
     return at_most(np.max([error.max() for error in errors.values()]), 0.02, "", text)
 
 
@@ -104,3 +103,19 @@ def _register(kind: str, name: str, order: str) -> None:
 _register("pid", "PID-type", "the (3,2)-order low-pass L (s^2 + L_p s + L_i) / (s^3 + L s^2 + L L_p s + L L_i)")
 _register("pd", "PD-type", "the (2,1)-order low-pass L (s + L_p) / (s^2 + L s + L L_p)")
 _register("letien", "Le Tien", "the first-order low-pass L / (s + L)")
+
+
+@claim(
+    "lowpass-undamped",
+    source="friction observer, PID-type",
+    text="On the paper's undamped spring, too, the PID-type's estimate is its low-pass within 2 %, sampled at 10 kHz.",
+    fails="The observer knows tau_j as it was at the tick, half a period late on average. At the resonance of the "
+    "undamped spring tau_j is so much larger than friction that this alone exceeds 2 %; elsewhere it does not show.",
+)
+def _undamped(subject: Subject) -> Finding:
+    ratio, omega = _ratio(subject, "pid-high", JOINT)
+    error = np.abs(np.abs(ratio) - 1.0)
+    away = error[np.abs(omega - omega[error.argmax()]) > _RESONANCE].max()
+    text = f"largest relative error of |tau_f_hat / tau_f| from {_LOWEST:.1f} rad/s to L, high gains, at "
+    text += f"{omega[error.argmax()]:.0f} rad/s; more than {_RESONANCE:g} rad/s away from there {away:.2g}"
+    return at_most(error.max(), 0.02, "", text)
