@@ -72,7 +72,7 @@ def _stepped(name: str, physics_dt: float | None) -> Array:
 def _measure(name: str) -> Measure:
     """The measurement for one parameter."""
 
-    def measure(subject: Subject) -> Finding:
+    def _measured(subject: Subject) -> Finding:
         theirs = _solved(name) - _solved("")
         ours = _stepped(name, subject.physics_dt) - _stepped("", subject.physics_dt)
         change, error = np.abs(theirs).max(), np.abs(ours - theirs).max()
@@ -82,7 +82,7 @@ def _measure(name: str) -> Measure:
         )
         return at_least(change / error, 100.0, "", measured)
 
-    return measure
+    return _measured
 
 
 for _name, _words in PARAMETERS.items():
