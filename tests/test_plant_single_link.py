@@ -12,6 +12,7 @@ import pytest
 from envs_assets import asset_path
 from fo_gym.parameters import FRICTIONLESS, FlexibleJoint, LuGre
 from fo_gym.plant import FlexibleJointPlant, Robot
+from fo_gym.reproduction.cases import link_case
 from fo_gym.reproduction.reference import Control, SingleLink, continuous, sampled
 
 JOINT = FlexibleJoint(stiffness=3000.0, damping=0.0, motor_inertia=1.0, torque_limit=100.0)
@@ -123,47 +124,21 @@ def test_tau_f_is_the_mean_over_the_control_period(slider: Robot) -> None:
     assert np.median(np.abs(error)) < 1e-4
 
 
-def draw(generator: np.random.Generator, observer: int) -> tuple[SingleLink, dict[str, float], np.ndarray]:
-    """A joint, gains and an external force (2000, 1), within what a real drive might have; observers take turns."""
-    spread = generator.uniform
-    inertia, f_c, sigma_0 = spread(0.3, 2.0), spread(0.3, 2.0), 10 ** spread(4.0, 5.3)
-    friction = LuGre(
-        sigma_0=sigma_0,
-        sigma_1=spread(0.5, 1.5) * (sigma_0 * inertia) ** 0.5,
-        sigma_2=spread(0.0, 2.0),
-        f_c=f_c,
-        f_s=f_c * spread(1.0, 1.8),
-        v_s=10 ** spread(-3.3, -2.0),
-    )
-    joint = FlexibleJoint(10 ** spread(3.0, 4.0), generator.choice([0.0, 5.0]), inertia, torque_limit=100.0)
-    L, L_p, part = spread(40.0, 120.0), spread(8.0, 20.0), spread(0.1, 0.9)
-    gains = [
-        {},
-        {"L": L},
-        {"L": L, "L_p": L_p, "nominal": True},
-        {"L": L, "L_p": L_p, "L_i": part * L_p**2 / 2, "nominal": True},
-    ][observer % 4]
-    gains |= {"motor_inertia": inertia, "k_p": spread(30.0, 150.0), "k_d": spread(2.0, 10.0)}
-    gains |= {"theta_d": generator.choice([-1.0, 1.0]) * spread(0.02, 0.05)}
-    push = np.zeros((TICKS, 1))
-    push[1000:1500] = spread(-3.0, 3.0)
-    return SingleLink(joint, friction, mass=spread(0.5, 3.0)), gains, push
-
-
 def test_random_joints_follow_the_solver(slider: Robot) -> None:
     """Every parameter away from the paper's, link mass and a push included, in one batch: 1e-5 on moves of 1e-2."""
     generator = np.random.default_rng(20240611)
-    draws = [draw(generator, i) for i in range(DRAWS)]
+    cases = [link_case(generator, i) for i in range(DRAWS)]
     plant = FlexibleJointPlant(slider, DRAWS, joints=JOINT, friction=PAPER)
-    for i, (link, _, _) in enumerate(draws):
+    for i, case in enumerate(cases):
+        link = case.equations
         plant.configure(np.array([i]), joints=link.joint, friction=link.friction, mass_scale=link.mass)
     names = ("motor_inertia", "k_p", "k_d", "theta_d", "L", "L_p", "L_i", "nominal")
-    columns = {name: np.array([[gains.get(name, 0.0)] for _, gains, _ in draws]) for name in names}
-    ours = run(plant, Control(1e-3, **columns), np.hstack([push for *_, push in draws]))
-    for i, (link, gains, push) in enumerate(draws):
-        theirs = sampled(link, Control(1e-3, **gains), np.zeros((5, 1)), push)[:, 2, 0]
+    columns = {name: np.array([[case.gains.get(name, 0.0)] for case in cases]) for name in names}
+    ours = run(plant, Control(1e-3, **columns), np.hstack([case.tau_ext for case in cases]))
+    for i, case in enumerate(cases):
+        theirs = sampled(case.equations, Control(1e-3, **case.gains), np.zeros((5, 1)), case.tau_ext)[:, 2, 0]
         assert np.ptp(theirs) > 5e-3, f"draw {i} does not move, and so tests nothing"
-        assert np.abs(ours[:, i] - theirs).max() < 1e-5, (i, link, gains)
+        assert np.abs(ours[:, i] - theirs).max() < 1e-5, (i, case)
 
 
 # --- Order of convergence --------------------------------------------------------------------------------------------
