@@ -10,6 +10,7 @@ from fo_gym.envs.settings import Settings
 from fo_gym.evaluation.evaluate import evaluate
 from fo_gym.parameters import FRICTIONLESS, FlexibleJoint, ImpedanceGains, JointInfo, LuGre, PDGains
 from fo_gym.sensors import Signals
+from fo_gym.tasks.task import Randomization
 
 __version__ = "0.1.0"
 
@@ -30,6 +31,7 @@ __all__ = [
     "JointInfo",
     "LuGre",
     "PDGains",
+    "Randomization",
     "Settings",
     "Signals",
     "evaluate",

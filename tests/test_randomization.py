@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from environments import every_env, make
 
 from fo_gym.parameters import per_joint
-from fo_gym.tasks.task import draw_scenario
+from fo_gym.tasks.task import Randomization, draw_scenario
 
 DRAWS = 400
 
@@ -76,3 +78,31 @@ def test_start_target_and_push_fill_their_ranges(env_id, scenarios):
     assert np.all(np.abs(share - 0.5) < 4.0 * 0.5 / np.sqrt(DRAWS))
     if task.robot.dof > 1:
         assert np.any(np.sign(steps[:, 0]) != np.sign(steps[:, 1]))
+
+
+@every_env
+def test_other_ranges_are_drawn_from(env_id):
+    """`randomization` replaces the task's own ranges, in this environment alone."""
+    wide = replace(make(env_id).task.randomization, friction=(5.0, 5.0), mass=(0.9, 0.9))
+    env, own = make(env_id, variant="randomized", randomization=wide), make(env_id, variant="randomized")
+    nominal = per_joint(env.task.friction, env.simulation.dof).f_c
+    (scenario,), (usual,) = env.simulation.scenarios, own.simulation.scenarios
+    np.testing.assert_allclose(scenario.friction.f_c, 5.0 * nominal, rtol=1e-12)
+    assert scenario.mass_scale == pytest.approx(0.9)
+    assert (usual.friction.f_c < 2.0 * nominal).all()
+    np.testing.assert_array_equal(scenario.joints.stiffness, usual.joints.stiffness)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("friction", (0.0, 1.0)),
+        ("mass", (2.0, 1.0)),
+        ("push_time", (-1.0, 1.0)),
+        ("step", (0.0, np.inf)),
+        ("start", -1.0),
+    ],
+)
+def test_ranges_that_make_no_sense(name, value):
+    with pytest.raises(ValueError, match=f"Randomization.{name} is"):
+        Randomization(**{name: value})

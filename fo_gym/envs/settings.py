@@ -8,7 +8,7 @@ import numpy as np
 
 from fo_gym.parameters import FlexibleJoint, ImpedanceGains, LuGre, PDGains
 from fo_gym.sensors import TIERS
-from fo_gym.tasks.task import VARIANTS, Task
+from fo_gym.tasks.task import VARIANTS, Randomization, Task
 
 ACTION_MODES = ("compensation", "torque")
 FEEDBACKS = ("measured", "nominal")
@@ -32,6 +32,7 @@ class Settings:
         friction: LuGre parameters.
         gains: PDGains or ImpedanceGains, as the task's controller needs.
         sensors: "joint" = motor encoder and joint torque sensor.
+        randomization: ranges from which "randomized" draws.
     """
 
     variant: str = "nominal"
@@ -45,6 +46,7 @@ class Settings:
     friction: LuGre | None = None
     gains: PDGains | ImpedanceGains | None = None
     sensors: str = "joint"
+    randomization: Randomization | None = None
 
     def __post_init__(self) -> None:
         if self.variant == "hardware":
@@ -57,7 +59,11 @@ class Settings:
         ):
             if getattr(self, name) not in allowed:
                 raise ValueError(f"{name} is {getattr(self, name)!r}; allowed are {', '.join(map(repr, allowed))}")
-        for name, kind in (("joints", FlexibleJoint), ("friction", LuGre)):
+        for name, kind in (
+            ("joints", FlexibleJoint),
+            ("friction", LuGre),
+            ("randomization", Randomization),
+        ):
             value = getattr(self, name)
             if value is not None and not isinstance(value, kind):
                 raise ValueError(f"{name} is {value!r}; give a {kind.__name__}, or None for the task's own")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -59,7 +59,7 @@ class Simulation:
     """
 
     def __init__(self, task: Task, num_envs: int, settings: Settings) -> None:
-        self.task = task
+        self.task = task if settings.randomization is None else replace(task, randomization=settings.randomization)
         self.num_envs = num_envs
         self.settings = settings
         self.dof = task.robot.dof

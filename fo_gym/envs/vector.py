@@ -28,8 +28,9 @@ __all__ = ["JointVectorEnv"]
 class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
     """`num_envs` environments advanced together; each one behaves, to the bit, as `JointEnv` does alone.
 
-    Subclasses name the task. Autoreset is NEXT_STEP: the step after an episode's end ignores the action, resets that
-    environment and returns its first observation with reward 0.
+    Subclasses name the task. With the autoreset mode NEXT_STEP (the default) the step after an episode's end ignores
+    the action, resets that environment and returns its first observation with reward 0. With DISABLED whoever steps
+    also resets: `reset(options={"reset_mask": mask})` starts new episodes in the masked environments alone.
 
     Raises:
         ValueError: an argument is not allowed; the message names the value and the remedy.
@@ -42,16 +43,27 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         "autoreset_mode": AutoresetMode.NEXT_STEP,
     }
 
-    def __init__(self, num_envs: int = 1, *, render_mode: str | None = None, **settings: Any) -> None:
+    def __init__(
+        self,
+        num_envs: int = 1,
+        *,
+        render_mode: str | None = None,
+        autoreset_mode: AutoresetMode = AutoresetMode.NEXT_STEP,
+        **settings: Any,
+    ) -> None:
         chosen = Settings(**settings)
         if num_envs < 1:
             raise ValueError(f"num_envs is {num_envs}; it must be at least 1")
         if render_mode not in (None, "rgb_array"):
             raise ValueError(f"render_mode is {render_mode!r}; a vector environment allows None and 'rgb_array'")
+        if autoreset_mode not in (AutoresetMode.NEXT_STEP, AutoresetMode.DISABLED):
+            raise ValueError(f"autoreset_mode is {autoreset_mode!r}; allowed are AutoresetMode.NEXT_STEP and DISABLED")
         self.num_envs = num_envs
+        self._autoreset = autoreset_mode is AutoresetMode.NEXT_STEP
         self.simulation = Simulation(self.task, num_envs, chosen)
         self.render_mode = render_mode
-        self.metadata = {**self.metadata, "render_fps": max(1, round(1.0 / chosen.step_dt))}
+        fps = max(1, round(1.0 / chosen.step_dt))
+        self.metadata = {**self.metadata, "render_fps": fps, "autoreset_mode": autoreset_mode}
         self._renderer: SceneRenderer | None = None
         size = self.simulation.observation_size
         limit = self.simulation.joints.torque_limit
@@ -84,6 +96,13 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
             for new, generator in zip(seed, old, strict=True)
         ]
 
+    def _checked_mask(self, mask: Any) -> NDArray[np.bool_]:
+        if not (isinstance(mask, np.ndarray) and mask.shape == (self.num_envs,) and mask.dtype == np.bool_):
+            raise ValueError(f"reset_mask is {mask!r}; it must be a NumPy array of {self.num_envs} bools")
+        if not self._generators and not mask.all():
+            raise gym.error.ResetNeeded("the first reset() must be of all environments, without a reset_mask")
+        return mask
+
     def _info(self) -> dict[str, Any]:
         info: dict[str, Any] = {}
         for name, value in self.simulation.truth().items():
@@ -98,14 +117,21 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
 
         Args:
             seed: s gives environment i the seed s + i; a sequence gives each its own; None continues the generators.
-            options: as in `JointEnv.reset`, for all environments.
+            options: as in `JointEnv.reset`, for all environments that are reset; "reset_mask", (num_envs,) of bool,
+                says which these are.
 
         Returns:
             Observations (num_envs, size) and info, the privileged truth, (num_envs, dof) each.
+
+        Raises:
+            ValueError: `options` are not those of `JointEnv.reset`, or the mask has another shape or dtype.
         """
+        options = dict(options or {})
+        mask = self._checked_mask(options.pop("reset_mask", self._everyone))
         self._seed(seed)
-        self.simulation.reset(np.arange(self.num_envs), self._generators, options)
-        self._ended[:] = False
+        again = np.flatnonzero(mask)
+        self.simulation.reset(again, [self._generators[i] for i in again], options)
+        self._ended[again] = False
         if self._renderer is not None:
             self._renderer.clear_trace()
         return self.simulation.observation(), self._info()
@@ -118,6 +144,11 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         """
         if not self._generators:
             raise gym.error.ResetNeeded("step() was called before the first reset()")
+        if self._ended.any() and not self._autoreset:
+            ended = np.flatnonzero(self._ended)
+            raise gym.error.ResetNeeded(
+                f"environments {ended} have ended; reset them with options={{'reset_mask': ...}}"
+            )
         batch = checked_action(actions, (self.num_envs, self.simulation.dof), self._ended)
         reward, terminated, truncated, reasons = self.simulation.step(batch)
         if self._ended.any():

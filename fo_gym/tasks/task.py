@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +51,18 @@ class Randomization:
     step: Range = (0.5, 1.5)
     push_time: Range = (0.0, 0.0)
     push: Range = (0.5, 1.5)
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.start) and self.start >= 0):
+            raise ValueError(f"Randomization.start is {self.start}; it must be finite and at least 0")
+        for field in fields(self):
+            if field.name == "start":
+                continue
+            low, high = getattr(self, field.name)
+            may_be_zero = field.name in ("step", "push", "push_time")
+            if not (0 <= low <= high < math.inf and (may_be_zero or low > 0)):
+                bound = "0 <= low" if may_be_zero else "0 < low"
+                raise ValueError(f"Randomization.{field.name} is ({low}, {high}); it must be finite, {bound} <= high")
 
 
 @dataclass(frozen=True, eq=False)
