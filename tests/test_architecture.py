@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import importlib
 import os
 import subprocess
 import sys
@@ -31,13 +32,16 @@ FLOW = (
     ("fo_gym.control",),
     ("fo_gym.tasks",),
     ("fo_gym.envs",),
+    ("fo_gym.files", "fo_gym.console", "fo_gym.sb3"),
     ("fo_gym.compensators",),
     ("fo_gym.evaluation", "fo_gym.protocols"),
     ("fo_gym",),
-    ("fo_gym.reproduction",),
+    ("fo_gym.reproduction", "fo_gym.bench"),
     ("fo_gym.cli", "baselines"),
 )
 LEVEL = {part: level for level, parts in enumerate(FLOW) for part in parts}
+# What plug-ins may build on: the package itself, and what its own parts share.
+PUBLIC = ("fo_gym", "fo_gym.console", "fo_gym.files", "fo_gym.sb3")
 MODERN_RANDOM = {"Generator", "BitGenerator", "SeedSequence", "default_rng", "PCG64"}
 
 
@@ -95,8 +99,8 @@ def test_no_module_imports_itself_in_a_circle() -> None:
 def test_baselines_use_the_public_face_only(module: str) -> None:
     for source, name in imports(module):
         if not source.startswith("baselines"):
-            assert source == "fo_gym", f"{module} imports {source}"
-            assert name in fo_gym.__all__ or name == "", f"{module} imports {name}"
+            assert source in PUBLIC, f"{module} imports {source}"
+            assert name in importlib.import_module(source).__all__ or name == "", f"{module} imports {name}"
     used = {
         node.attr
         for node in ast.walk(TREES[module])

@@ -10,7 +10,7 @@ import typer
 from rich.markup import escape
 from rich.table import Table
 
-from fo_gym.cli.console import Stop, check_jobs, console, errors, progress_bar, tell_written
+from fo_gym.console import Stop, check_jobs, console, errors, progress_bar, tell_written
 
 __all__ = ["run_reproduce"]
 

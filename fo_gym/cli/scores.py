@@ -10,8 +10,8 @@ from rich.markup import escape
 from rich.table import Table
 
 import fo_gym
-from fo_gym.cli.console import Stop, check_jobs, console, progress_bar, tell_written
 from fo_gym.compensators import BUILT_IN
+from fo_gym.console import Stop, check_jobs, console, progress_bar, tell_written
 from fo_gym.evaluation.evaluate import FAILED
 from fo_gym.evaluation.leaderboard import leaderboard
 from fo_gym.evaluation.metrics import METRICS

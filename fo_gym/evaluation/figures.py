@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,7 @@ from fo_gym.compensators import BUILT_IN
 from fo_gym.evaluation.leaderboard import SET, leaderboard
 from fo_gym.evaluation.run import Results
 from fo_gym.evaluation.trace import Trace
+from fo_gym.files import draft_of
 
 _MILLI = 1e3
 _JOINT = 1
@@ -103,7 +103,6 @@ def _draw_paths(left: Axes, right: Axes, traces: list[Trace]) -> None:
 
 def figures(results: Results, folder: Path) -> list[Path]:
     """Draw everything that the results hold into `folder`; returns the files."""
-    folder.mkdir(parents=True, exist_ok=True)
     drawn = {"ranking": ranking_figure(results.episodes)}
     for env in dict.fromkeys(trace.env for trace in results.traces):
         drawn[env] = trace_figure([trace for trace in results.traces if trace.env == env])
@@ -111,8 +110,7 @@ def figures(results: Results, folder: Path) -> list[Path]:
     with mpl.rc_context({"savefig.dpi": 110}):
         for name, figure in drawn.items():
             path = folder / f"{name}.png"
-            draft = path.with_suffix(".part")
-            figure.savefig(draft, format="png", metadata={"Software": None})
-            os.replace(draft, path)
+            with draft_of(path) as draft:
+                figure.savefig(draft, metadata={"Software": None})
             paths.append(path)
     return paths

@@ -7,11 +7,11 @@ from pathlib import Path
 import pandas as pd
 
 from fo_gym.evaluation.figures import figures
-from fo_gym.evaluation.files import atomic, csv
 from fo_gym.evaluation.leaderboard import leaderboard
 from fo_gym.evaluation.protocol import Protocol
 from fo_gym.evaluation.run import Results
 from fo_gym.evaluation.tables import markdown, rankings, summary
+from fo_gym.files import atomic, csv
 
 __all__ = ["markdown_page", "write_results"]
 

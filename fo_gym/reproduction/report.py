@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from fo_gym.evaluation.files import atomic, csv
 from fo_gym.evaluation.tables import Ranking, markdown
+from fo_gym.files import atomic, csv
 from fo_gym.reproduction.figures import FIGURES
 from fo_gym.reproduction.run import FAILS, HOLDS, Reproduction
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +9,7 @@ from pathlib import Path
 from matplotlib import style as matplotlib_style
 from matplotlib.figure import Figure
 
+from fo_gym.files import draft_of
 from fo_gym.reproduction.figures import convergence, lugre, motivating, panels, regulation, square
 from fo_gym.reproduction.figures.style import RC
 from fo_gym.reproduction.subject import Subject
@@ -57,14 +57,12 @@ def draw(name: str, subject: Subject, folder: Path) -> list[Path]:
         subject: what is under test.
         folder: made if need be.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     paths = []
     with matplotlib_style.context(["default", RC]):  # whatever the user's own settings are
         figure = FIGURES[name].function(subject)
         for kind, metadata in _METADATA.items():
             path = folder / f"{name}.{kind}"
-            draft = folder / f"{name}.{kind}.part"
-            figure.savefig(draft, format=kind, metadata=metadata)
-            os.replace(draft, path)
+            with draft_of(path) as draft:
+                figure.savefig(draft, metadata=metadata)
             paths.append(path)
     return paths

@@ -47,8 +47,9 @@ def progress_bar(total: int) -> Iterator[Callable[[str, int], None]]:
         task = progress.add_task("compiling kernels, starting", total=total)
 
         def advance(label: str, done: int) -> None:
+            news = label != progress.tasks[task].description
             progress.update(task, advance=done, description=label)
-            if not errors.is_terminal:
+            if news and not errors.is_terminal:
                 errors.print(label, highlight=False, markup=False)
 
         yield advance
