@@ -1,0 +1,289 @@
+"""Training: the environment and its reward, the three algorithms, and runs that were killed."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import gymnasium as gym
+import numpy as np
+import pandas as pd
+import pytest
+import torch
+from typer.testing import CliRunner
+
+import fo_gym
+from baselines import PIDObserver
+from baselines.rl import Design, LearnedCompensator
+from baselines.rl import training as training_module
+from baselines.rl.algorithms import ALGORITHMS, export, make_model
+from baselines.rl.checkpoint import load_checkpoint
+from baselines.rl.course import COURSES, course_of
+from baselines.rl.environment import TrainingEnv
+from baselines.rl.plan import ALGOS, Plan
+from baselines.rl.storage import load_policy
+from baselines.rl.training import train
+from fo_gym.cli import app
+from fo_gym.evaluation.seeds import TRAINING_SEEDS
+from fo_gym.sb3 import VecEnvAdapter
+
+STICTION, REGULATION = "FJRStiction-v0", "FJRRegulation-v0"
+SMALL = Plan(STICTION, "ppo", 3, Design(), robots=4, steps=64, segments=3, validation_seeds=2)
+
+
+@pytest.fixture(autouse=True)
+def short_validation(monkeypatch):
+    """Validation on episodes of 0.2 s: what is tested here is the machinery."""
+    evaluate = fo_gym.evaluate
+    monkeypatch.setattr(training_module, "evaluate", lambda *a, **k: evaluate(*a, **k, duration=0.2))
+
+
+class TestEnvironment:
+    def test_the_reward_is_its_formula(self):
+        """Without action: the observer alone on the robot and its twin, run here by hand."""
+        design = Design()
+        env = TrainingEnv(STICTION, 2, design)
+        env.reset(seed=11)
+        course = COURSES[STICTION]
+        arguments = {"num_envs": 2, "variant": "randomized", "randomization": course.randomization}
+        robots = gym.make_vec(STICTION, feedback="nominal", **arguments)
+        twins = gym.make_vec(STICTION, friction=fo_gym.FRICTIONLESS, **arguments)
+        obs, _ = robots.reset(seed=11)
+        twins.reset(seed=11)
+        observer = PIDObserver(design.L, design.Lp, design.Li)
+        observer.reset(robots.unwrapped.joint_info, 2)
+        for step in range(200):
+            _, reward, *_ = env.step(np.zeros((2, 1)))
+            costs = []
+            for _ in range(2):
+                obs, _, _, _, true = robots.step(observer.estimate(fo_gym.Signals.from_observation(obs, 1)))
+                *_, ideal = twins.step(np.zeros((2, 1)))
+                signals = fo_gym.Signals.from_observation(obs, 1)
+                d = np.hypot(true["theta"] - ideal["theta"], 0.1 * (true["theta_dot"] - ideal["theta_dot"]))
+                e = np.abs(signals.theta_n - signals.theta)
+                costs.append((np.log1p(d / 1e-4) + np.log1p(e / 1e-4)) / 2)
+            if step < 5 or step % 50 == 0:
+                np.testing.assert_allclose(reward, -np.mean(costs, axis=0)[:, 0], rtol=1e-6)
+
+    def test_a_change_of_action_costs(self):
+        rewards = []
+        for action in (0.0, 1.0):
+            env = TrainingEnv(STICTION, 1, replace(Design(), bound=1e-9))
+            env.reset(seed=1)
+            rewards.append(env.step(np.full((1, 1), action))[1][0])
+        assert rewards[0] - rewards[1] == pytest.approx(0.05, rel=1e-6)
+
+    def test_episodes_do_not_run_in_step(self):
+        """First episodes are cut at random lengths, later ones are whole; the observation after a reset is one."""
+        env = TrainingEnv(STICTION, 16, Design())
+        venv = VecEnvAdapter(env)
+        venv.seed(0)
+        venv.reset()
+        length = round(COURSES[STICTION].duration / Design().period)
+        ends = np.zeros((2 * length, 16), dtype=bool)
+        for step in range(2 * length):
+            obs, _, ends[step], infos = venv.step(np.zeros((16, 1)))
+            for i in np.flatnonzero(ends[step]):
+                assert infos[i]["TimeLimit.truncated"]
+                assert infos[i]["terminal_observation"].shape == (9,)
+                assert obs[i, -1] == 0.0
+                assert obs[i, :3].tolist() == [0.0, 0.0, 0.0]
+        first = ends.argmax(axis=0)
+        assert len(set(first)) > 12
+        for i in range(16):
+            assert set(np.diff(np.flatnonzero(ends[:, i]))) <= {length}
+
+    def test_who_leaves_the_range_pays(self):
+        env = TrainingEnv(REGULATION, 2, Design(residual=False, bound=50.0, floor=1.0))
+        env.reset(seed=0)
+        for _ in range(2000):
+            _, reward, terminated, _, _ = env.step(np.ones((14, 1)))
+            if terminated.any():
+                break
+        robot = terminated.reshape(2, 7)
+        assert (robot.all(axis=1) == robot.any(axis=1)).all()
+        assert (reward[terminated] < -20).all()
+        _, _, terminated, _, _ = env.step(np.ones((14, 1)))  # still reported: nobody has reset it yet
+        assert terminated.any()
+        obs, _ = env.reset(options={"reset_mask": terminated})
+        assert not obs[terminated][:, :3].any()
+
+    def test_joints_of_one_robot_are_reset_together(self):
+        env = TrainingEnv(REGULATION, 2, Design())
+        env.reset(seed=0)
+        mask = np.zeros(14, dtype=bool)
+        mask[3] = True
+        with pytest.raises(ValueError, match="joints of one robot"):
+            env.reset(options={"reset_mask": mask})
+
+    def test_an_environment_without_a_course(self):
+        with pytest.raises(ValueError, match=r"no training course for 'CartPole-v1'; there is one for FJRStiction-v0"):
+            course_of("CartPole-v1")
+
+
+@pytest.mark.parametrize("algo", ALGOS)
+class TestAlgorithms:
+    def test_the_exported_network_is_the_actor(self, algo):
+        """In deterministic mode, before and after training; it stays odd."""
+        env = TrainingEnv(STICTION, 2, Design())
+        model = make_model(algo, VecEnvAdapter(env), 32, 0)
+        inputs = np.random.default_rng(0).normal(size=(50, 9)).astype(np.float32)
+        for _ in range(2):
+            network = export(model)
+            expected, _ = model.predict(inputs, deterministic=True)
+            np.testing.assert_allclose(network(inputs.astype(float)), expected[:, 0], atol=1e-6)
+            np.testing.assert_array_equal(network(-inputs.astype(float)), -network(inputs.astype(float)))
+            model.learning_starts = 8
+            model.learn(64)
+        assert (np.abs(export(model).weights[0] - network.weights[0]) > 0).any()
+
+    def test_a_killed_run_goes_on_as_if_it_had_not_been(self, algo, tmp_path):
+        """Killed in the second segment and started again: the same files, byte for byte."""
+        plan = replace(SMALL, algo=algo)
+
+        def kill(label: str, steps: int) -> None:
+            if label.startswith("segment 2") and steps:
+                raise KeyboardInterrupt
+
+        with pytest.raises(KeyboardInterrupt):
+            train(plan, tmp_path / "killed", on_steps=kill)
+        assert len(pd.read_csv(tmp_path / "killed" / "curve.csv")) == 1
+        train(plan, tmp_path / "killed")
+        train(plan, tmp_path / "whole")
+        for name in ("policy.safetensors", "policy.json", "curve.csv", "card.md"):
+            one, other = ((tmp_path / run / name).read_bytes() for run in ("killed", "whole"))
+            assert one == other, name
+        assert len(pd.read_csv(tmp_path / "killed" / "timing.csv")) == 3
+
+
+def test_every_algorithm_has_its_settings():
+    assert tuple(ALGORITHMS) == ALGOS
+
+
+@pytest.fixture(scope="module")
+def out(tmp_path_factory):
+    """The folder of a small finished training."""
+    folder = tmp_path_factory.mktemp("train") / "run"
+    with pytest.MonkeyPatch.context() as patch:
+        evaluate = fo_gym.evaluate
+        patch.setattr(training_module, "evaluate", lambda *a, **k: evaluate(*a, **k, duration=0.2))
+        train(SMALL, folder)
+    return folder
+
+
+class TestTrain:
+    def test_what_it_leaves(self, out):
+        assert {file.name for file in out.iterdir()} == {
+            "card.md",
+            "checkpoint.pt",
+            "compensator.py",
+            "curve.csv",
+            "curve.png",
+            "plan.json",
+            "policy.json",
+            "policy.safetensors",
+            "timing.csv",
+        }
+        curve = pd.read_csv(out / "curve.csv")
+        assert curve["actions"].tolist() == [256, 512, 768]
+        assert curve["frr_worst"].le(curve["frr_mean"]).all()
+        timing = pd.read_csv(out / "timing.csv")
+        assert timing["environment_seconds"].between(0, timing["seconds"]).all()
+
+    def test_the_best_segment_is_kept(self, out):
+        curve = pd.read_csv(out / "curve.csv")
+        card = json.loads((out / "policy.json").read_text())
+        best = curve.loc[curve["frr_mean"].idxmax()]
+        assert card["segment"] == best["segment"]
+        assert card["validation"]["frr_mean"] == pytest.approx(best["frr_mean"], rel=1e-5)
+        assert card["versions"]["torch"] == importlib.metadata.version("torch")
+        compensator = LearnedCompensator(*load_policy(out / "policy.safetensors"))
+        seeds = fo_gym.evaluate(compensator, STICTION, variant="randomized", seeds=2, duration=0.2)["frr"]
+        assert seeds.mean() == pytest.approx(best["frr_mean"], rel=1e-5)
+
+    def test_the_file_it_writes_is_a_compensator(self, out):
+        rows = fo_gym.evaluate(f"{out / 'compensator.py'}:Trained", REGULATION, duration=0.05)
+        assert rows["status"][0] == "ok"
+
+    def test_the_card_as_a_page(self, out):
+        page = (out / "card.md").read_text()
+        card = json.loads((out / "policy.json").read_text())
+        assert card["sha256"] in page
+        assert "| friction | 0.4 to 2.5 |" in page
+
+    def test_a_finished_run_does_nothing_more(self, out):
+        before = {file: file.read_bytes() for file in out.iterdir()}
+        train(SMALL, out)
+        assert {file: file.read_bytes() for file in out.iterdir()} == before
+
+    def test_other_settings_in_the_same_folder(self, out):
+        with pytest.raises(ValueError, match=r"holds a training with other settings.*choose another --out"):
+            train(replace(SMALL, seed=4), out)
+
+    def test_a_checkpoint_that_is_none(self, tmp_path):
+        model = make_model("ppo", VecEnvAdapter(TrainingEnv(STICTION, 1, Design())), 8, 0)
+        (tmp_path / "c.pt").write_bytes(b"nonsense")
+        with pytest.raises(ValueError, match="no checkpoint that can be used"):
+            load_checkpoint(tmp_path / "c.pt", model)
+
+    def test_nothing_is_unpickled(self, tmp_path):
+        """A checkpoint with code inside is refused before it runs."""
+        marker = tmp_path / "ran"
+
+        class Evil:
+            def __reduce__(self):
+                return (Path.touch, (marker,))
+
+        torch.save({"segments": 1, "parameters": Evil()}, tmp_path / "c.pt")
+        model = make_model("ppo", VecEnvAdapter(TrainingEnv(STICTION, 1, Design())), 8, 0)
+        with pytest.raises(ValueError, match="no checkpoint that can be used"):
+            load_checkpoint(tmp_path / "c.pt", model)
+        assert not marker.exists()
+
+    @pytest.mark.parametrize(
+        ("change", "message"),
+        [
+            ({"algo": "dqn"}, "allowed are ppo, sac, tqc"),
+            ({"seed": -1}, "from 0 to 999"),
+            ({"steps": 0}, "at least 1"),
+            ({"env_id": "FJRSquare-v1"}, "no training course"),
+            ({"robots": 0}, "from 1 to 999"),
+        ],
+    )
+    def test_a_plan_out_of_range(self, change, message, tmp_path):
+        with pytest.raises(ValueError, match=message):
+            train(replace(SMALL, **change), tmp_path)
+
+    def test_episodes_come_from_training_seeds_and_differ_between_segments_and_runs(self):
+        used = [
+            set(range(plan.episode_seed(segment), plan.episode_seed(segment) + 999))
+            for plan in (replace(SMALL, seed=0), replace(SMALL, seed=1), replace(SMALL, seed=999))
+            for segment in range(9)
+        ]
+        assert all(seed in TRAINING_SEEDS for seed in set().union(*used))
+        assert sum(map(len, used)) == len(set().union(*used))
+
+
+class TestCommand:
+    def test_it_trains(self, tmp_path, monkeypatch):
+        small = {"ppo": replace(ALGORITHMS["ppo"], agents=2, steps=16)}
+        monkeypatch.setattr("baselines.rl.algorithms.ALGORITHMS", small | {"sac": None})
+        arguments = ["train", "--out", str(tmp_path / "run"), "--segments", "1", "--direct"]
+        done = CliRunner().invoke(app, arguments)
+        assert done.exit_code == 0, done.output
+        assert "segment 1 of 1: validation FRR" in done.output
+        assert "compensator.py" in done.output
+        assert load_policy(tmp_path / "run" / "policy.safetensors")[0].residual is False
+
+    def test_it_says_what_is_wrong(self, tmp_path):
+        done = CliRunner().invoke(app, ["train", "--out", str(tmp_path), "--env", "CartPole-v1"])
+        assert done.exit_code == 2
+        assert "no training course" in done.output
+
+    def test_without_the_extra(self, tmp_path, monkeypatch):
+        monkeypatch.setitem(__import__("sys").modules, "baselines.rl.training", None)
+        done = CliRunner().invoke(app, ["train", "--out", str(tmp_path)])
+        assert done.exit_code == 2
+        assert "pip install 'fo-gym[rl]'" in done.output
