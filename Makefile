@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 # Only what draws asks for OpenGL: importing MuJoCo with "egl" fails where there is no libEGL.
 test docs: export MUJOCO_GL ?= egl
 
-.PHONY: leaderboard quick reproduce reproduce-quick test check docs clean help
+.PHONY: leaderboard quick reproduce reproduce-quick train bench test check docs clean help
 
 leaderboard: $(VENV)/.run  ## score everybody, write leaderboard/ (a few minutes on two cores)
 	$(BIN)/fo-gym leaderboard --out leaderboard
@@ -21,6 +21,13 @@ reproduce: $(VENV)/.reproduce  ## the paper's figures and claims, and the certif
 reproduce-quick: $(VENV)/.reproduce  ## the same with fewer random cases, to build/reproduce
 	$(BIN)/fo-gym reproduce --quick --out build/reproduce
 
+train: $(VENV)/.rl  ## train the learned compensators as they are shipped, to build/train/ (minutes; goes on after a kill)
+	$(BIN)/fo-gym train --out build/train/rl-residual
+	$(BIN)/fo-gym train --direct --segments 12 --out build/train/rl-direct
+
+bench: $(VENV)/.rl  ## measure the speed of the environments beside their peers, to docs/bench/ (minutes; close other programs)
+	$(BIN)/fo-gym bench --out docs/bench
+
 test: $(VENV)/.dev system  ## run the tests
 	$(BIN)/python -m pytest -n 2 --dist loadfile
 
@@ -29,9 +36,10 @@ check: $(VENV)/.dev  ## ruff and mypy
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-docs: $(VENV)/.dev system  ## redraw the picture and the tables of the README
+docs: $(VENV)/.dev system  ## redraw the pictures and the tables of README and docs/
 	$(BIN)/python docs/pictures.py
-	$(BIN)/python docs/readme_tables.py
+	$(BIN)/python docs/learning/draw.py
+	$(BIN)/python docs/tables.py
 
 .PHONY: system
 system:  ## the system libraries that rendering needs
@@ -51,6 +59,11 @@ $(VENV)/.run: $(VENV)/.base pyproject.toml
 $(VENV)/.reproduce: $(VENV)/.run
 	@echo "installing what the certificate needs into $(VENV)"
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[reproduce]'
+	touch $@
+
+$(VENV)/.rl: $(VENV)/.run
+	@echo "installing what training needs into $(VENV)"
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[rl]'
 	touch $@
 
 $(VENV)/.dev: $(VENV)/.reproduce

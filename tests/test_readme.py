@@ -26,9 +26,11 @@ def run(*arguments: str) -> str:
     return done.stdout
 
 
-def test_the_tables_are_the_published_ones() -> None:
-    program = "import readme_tables; print(readme_tables.readme(), end='')"
-    assert run("-c", f"import sys; sys.path.insert(0, 'docs'); {program}") == README
+@pytest.mark.parametrize("page", ["README.md", "docs/learning.md"])
+def test_the_tables_are_the_published_ones(page: str) -> None:
+    program = f"import tables; print(tables.page({page!r}), end='')"
+    published = (ROOT / page).read_text(encoding="utf-8")
+    assert run("-c", f"import sys; sys.path.insert(0, 'docs'); {program}") == published
 
 
 def test_the_compensator_of_the_readme_is_scored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -50,7 +52,7 @@ def test_the_environments_of_the_readme_run() -> None:
 
 
 def test_every_file_that_the_pages_name_exists() -> None:
-    for page in ("README.md", "CONTRIBUTING.md", "envs_assets/README.md"):
+    for page in ("README.md", "CONTRIBUTING.md", "docs/learning.md", "envs_assets/README.md"):
         text = (ROOT / page).read_text(encoding="utf-8")
         named = re.findall(r"\]\(([^)#:]+)\)", text) + re.findall(
             r"`((?:fo_gym|baselines|tests|examples)/[\w./]+)`", text

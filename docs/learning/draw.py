@@ -1,0 +1,85 @@
+"""Draw the figures of docs/learning.md from the tables beside this file: `python docs/learning/draw.py`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+import fo_gym
+from baselines.rl.compensator import SHIPPED
+from baselines.rl.course import COURSES
+from baselines.rl.report import curve_figure
+from fo_gym.compensators import Ideal
+from fo_gym.evaluation.evaluate import EpisodeSet
+from fo_gym.files import draft_of
+
+HERE = Path(__file__).parent
+COLOURS = {"pid-high": "C0", "pid, L = 200": "C2", "rl-residual": "C1", "rl-direct": "C3"}
+TRACED = ("pid-high", "rl-residual", "rl-direct")
+EPISODE = 1_000_000_003
+"""A validation seed: the episode that is drawn."""
+
+NAMES = {
+    "friction": "friction f_c, f_s",
+    "stribeck": "Stribeck velocity v_s",
+    "bristle": "bristle stiffness sigma_0",
+    "viscous": "viscous friction sigma_2",
+    "motor_inertia": "motor inertia B",
+    "stiffness": "joint stiffness K_j",
+}
+
+
+def curves() -> Figure:
+    """Learning curves of every training that was kept."""
+    named = {f"{folder.name}, seed 0": pd.read_csv(folder / "curve.csv") for folder in sorted(SHIPPED.iterdir())}
+    for file in sorted(HERE.glob("curve-*.csv")):
+        named[file.stem.removeprefix("curve-").replace("_", ", ")] = pd.read_csv(file)
+    return curve_figure(named)
+
+
+def traces() -> Figure:
+    """Distance from the friction-free motion in one randomized episode: the link, and joint 2 of the arm."""
+    figure = Figure(figsize=(7.2, 5.0), layout="constrained")
+    panels = (("FJRStiction-v0", 0, 1e3, "mm"), ("FJRRegulation-v0", 1, 1e3, "mrad"))
+    for axis, (env_id, joint, factor, unit) in zip(figure.subplots(2, 1, sharex=True), panels, strict=True):
+        episodes = EpisodeSet(env_id, "randomized", (EPISODE,), {})
+        ideal = episodes.record(Ideal(), "ideal").motions.theta[:, 0, joint]
+        for name in TRACED:
+            theta = episodes.record(fo_gym.make_compensator(name), name).motions.theta[:, 0, joint]
+            axis.plot(1e-3 * np.arange(len(theta)), factor * (theta - ideal), color=COLOURS[name], lw=0.9, label=name)
+        axis.set_title(f"{env_id}, randomized, joint {joint + 1}", fontsize="medium")
+        axis.set_ylabel(f"theta - theta_ideal [{unit}]")
+        axis.grid(alpha=0.3)
+    axis.set_xlabel("time [s]")
+    axis.legend(loc="upper right", ncols=len(TRACED))
+    return figure
+
+
+def sweeps() -> Figure:
+    """1 - FRR against the parameters of the joint; shaded: every draw was within the training range."""
+    table = pd.read_csv(HERE / "sweep.csv")
+    table = table[table["env"] == "FJRStiction-v0"]
+    trained, scored = COURSES["FJRStiction-v0"].randomization, fo_gym.Randomization()
+    figure = Figure(figsize=(9.0, 5.4), layout="constrained")
+    for axis, (parameter, label) in zip(figure.subplots(2, 3, sharey=True).flat, NAMES.items(), strict=True):
+        low, high = (getattr(trained, parameter)[k] / getattr(scored, parameter)[k] for k in (0, 1))
+        axis.axvspan(low, high, color="0.9")
+        for name, rows in table[table["parameter"] == parameter].sort_values("factor").groupby("compensator"):
+            axis.loglog(rows["factor"], rows["residual_mean"], "o-", ms=3, color=COLOURS[str(name)], label=str(name))
+        axis.set_xlim(table["factor"].min() / 1.1, table["factor"].max() * 1.1)
+        axis.set_xlabel(f"factor on {label}")
+        axis.grid(alpha=0.3, which="both")
+    for axis in figure.axes[::3]:
+        axis.set_ylabel("1 - FRR, mean")
+    figure.axes[0].legend(fontsize="small")
+    return figure
+
+
+if __name__ == "__main__":
+    for function in (curves, traces, sweeps):
+        with draft_of(HERE / f"{function.__name__}.png") as draft:
+            function().savefig(draft, dpi=110, metadata={"Software": None})
+        print(f"wrote {HERE / function.__name__}.png")

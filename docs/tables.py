@@ -1,0 +1,136 @@
+"""Put the published tables' summaries into the README and docs/learning.md: `python docs/tables.py`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from fo_gym.compensators import BUILT_IN
+from fo_gym.evaluation.leaderboard import SET
+from fo_gym.evaluation.statistics import interquartile_mean, paired_difference
+from fo_gym.evaluation.tables import Ranking, markdown, summary
+from fo_gym.reproduction.report import PLACES, counts, tolerance
+from fo_gym.reproduction.run import FAILS, HOLDS
+
+ROOT = Path(__file__).parent.parent
+LEARNED = ("rl-residual", "rl-direct")
+
+
+def leaderboard() -> str:
+    """The summary of leaderboard/leaderboard.csv as Markdown."""
+    return markdown(summary(pd.read_csv(ROOT / "leaderboard" / "leaderboard.csv")))
+
+
+def _published(name: str) -> pd.DataFrame:
+    return pd.read_csv(ROOT / "leaderboard" / f"{PLACES[name]}.csv").fillna({"unit": ""})
+
+
+def claims() -> str:
+    """How many claims of the paper hold, and those that do not."""
+    table = _published("claims")
+    cells = [
+        [row["statement"], f"{row['number']:.3g} {row['unit']}".strip(), tolerance(row["low"], row["high"])]
+        for row in table[table["verdict"] == FAILS].to_dict("records")
+    ]
+    failed = markdown(Ranking("", ["what does not hold", "measured", "it would hold at"], cells))
+    return f"What the paper says: {counts(table)}.\n\n{failed}"
+
+
+def fidelity() -> str:
+    """The certificate, by what the plant is held against."""
+    table = _published("fidelity")
+    held = table["verdict"] == HOLDS
+    cells = [
+        [str(source), str(len(rows)), str(int(held[rows.index].sum()))]
+        for source, rows in table.groupby("source", sort=False)
+    ]
+    return f"The physics: {counts(table)}.\n\n" + markdown(Ranking("", ["held against", "statements", "hold"], cells))
+
+
+def speed() -> str:
+    """The ratios of docs/bench/bench.csv."""
+    table = pd.read_csv(ROOT / "docs" / "bench" / "bench.csv").dropna(subset="ratio")
+    columns = ["env", "measured", "beside", "num_envs", "ratio", "bar"]
+    cells = [[_cell(row[column]) for column in columns] for row in table.to_dict("records")]
+    return markdown(Ranking("", ["environment", "measured", "beside", "environments", "ratio", "bar"], cells))
+
+
+def _cell(value: object) -> str:
+    if isinstance(value, float):
+        return "" if np.isnan(value) else f"{value:.3g}"
+    return str(value)
+
+
+def learned() -> str:
+    """FRR of the learned compensators beside the best classical one, from the leaderboard's episodes."""
+    episodes = pd.read_csv(ROOT / "leaderboard" / "episodes.csv")
+    cells = []
+    for (env, variant), rows in episodes.groupby(SET, sort=False):
+        frr = rows.pivot(index="seed", columns="compensator", values="frr")
+        mean = frr.apply(interquartile_mean)
+        classical = mean.drop([*BUILT_IN, *LEARNED]).idxmax()
+        ratio = (1.0 - mean["rl-residual"]) / (1.0 - mean[classical])
+        _, low, high = paired_difference(frr["rl-residual"], frr[classical], np.random.default_rng(0))
+        shown = (f"{mean[name]:.4f}" for name in (classical, *LEARNED))
+        cells.append([f"{env}, {variant}", str(classical), *shown, f"{ratio:.2f}", f"{low:+.4f} ... {high:+.4f}"])
+    headings = ["episodes", "best classical", "its FRR", *LEARNED, "ratio of 1 - FRR", "paired difference, 95 %"]
+    return markdown(Ranking("", headings, cells))
+
+
+def outside() -> str:
+    """1 - FRR inside and outside the training range, beside the observer that the policy is added to."""
+    sweep = pd.read_csv(ROOT / "docs" / "learning" / "sweep.csv")
+    names = list(dict.fromkeys(sweep["compensator"]))
+    cells = []
+    for (env, parameter, factor), rows in sweep.groupby(["env", "parameter", "factor"], sort=False):
+        if (parameter, factor) not in (("friction", 1.0), ("friction", 2.0), ("motor_inertia", 1.5)):
+            continue
+        mean = rows.set_index("compensator")["residual_mean"]
+        what = "as scored" if factor == 1.0 else f"{parameter.replace('_', ' ')} x {factor:g}"
+        ratio = mean["rl-residual"] / mean["pid-high"]
+        cells.append([str(env), what, *(f"{mean[name]:.4f}" for name in names), f"{ratio:.2f}"])
+    return markdown(Ranking("", ["environment", "episodes", *names, "rl-residual over pid-high"], cells))
+
+
+def ticks() -> str:
+    """Time of one control tick."""
+    table = pd.read_csv(ROOT / "docs" / "learning" / "ticks.csv")
+    columns = ["compensator", "median_us", "p99_us"]
+    cells = [[_cell(row[column]) for column in columns] for row in table.to_dict("records")]
+    return markdown(Ranking("", ["compensator", "median [us]", "99th percentile [us]"], cells))
+
+
+def training() -> str:
+    """How long the trainings of the shipped weights took, and how much of it the environment."""
+    cells = []
+    for name in LEARNED:
+        timing = pd.read_csv(ROOT / "baselines" / "rl" / "weights" / name / "timing.csv").sum()
+        share = timing["environment_seconds"] / timing["seconds"]
+        cells.append([name, f"{timing['seconds'] / 60:.1f} min", f"{100 * share:.0f} %"])
+    return markdown(Ranking("", ["weights", "training", "of it the environment's"], cells))
+
+
+PAGES: dict[str, dict[str, Callable[[], str]]] = {
+    "README.md": {"leaderboard": leaderboard, "speed": speed, "claims": claims, "fidelity": fidelity},
+    "docs/learning.md": {"learned": learned, "outside": outside, "ticks": ticks, "training": training},
+}
+"""What stands between the marks of each name in each page."""
+
+
+def page(name: str) -> str:
+    """The page with every block as the published tables have it."""
+    text = (ROOT / name).read_text(encoding="utf-8")
+    for block, content in PAGES[name].items():
+        begin, end = f"<!-- {block}: begin -->\n", f"<!-- {block}: end -->\n"
+        before, _, rest = text.partition(begin)
+        _, _, after = rest.partition(end)
+        text = before + begin + "\n" + content() + "\n" + end + after
+    return text
+
+
+if __name__ == "__main__":
+    for name in PAGES:
+        (ROOT / name).write_text(page(name), encoding="utf-8", newline="\n")
