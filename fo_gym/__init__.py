@@ -8,6 +8,7 @@ from gymnasium.envs.registration import register
 from fo_gym.compensators import Compensator, CompensatorError, list_compensators, make_compensator
 from fo_gym.envs.settings import Settings
 from fo_gym.evaluation.evaluate import evaluate
+from fo_gym.hardware import Hardware, SensorModel
 from fo_gym.parameters import FRICTIONLESS, FlexibleJoint, ImpedanceGains, JointInfo, LuGre, PDGains
 from fo_gym.sensors import Signals
 from fo_gym.tasks.task import Randomization
@@ -27,11 +28,13 @@ __all__ = [
     "Compensator",
     "CompensatorError",
     "FlexibleJoint",
+    "Hardware",
     "ImpedanceGains",
     "JointInfo",
     "LuGre",
     "PDGains",
     "Randomization",
+    "SensorModel",
     "Settings",
     "Signals",
     "evaluate",

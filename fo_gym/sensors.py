@@ -12,8 +12,16 @@ Array = NDArray[np.float64]
 SIGNALS = ("theta", "theta_dot", "tau_j", "theta_n", "theta_n_dot", "theta_d", "tau_c")
 """Order of the observation's blocks, each of length dof; the task's reference follows."""
 
-TIERS = ("joint",)
-"""Sensor equipment: "joint" = motor encoder and joint torque sensor."""
+TIERS = {
+    "joint": frozenset(SIGNALS),
+    "motor": frozenset(SIGNALS) - {"tau_j", "theta_n", "theta_n_dot"},
+    "full": frozenset(SIGNALS),
+}
+"""Sensor equipment, and the signals that it gives.
+
+"joint": motor encoder and joint torque sensor. "motor": no torque sensor, hence no nominal motor, which it drives.
+"full": a tachometer as well, so that the motor's velocity is measured and not a difference of positions.
+"""
 
 __all__ = ["SIGNALS", "TIERS", "Signals"]
 
@@ -43,8 +51,13 @@ class Signals:
     available: frozenset[str] = field(default=frozenset(SIGNALS))
 
     @classmethod
-    def from_observation(cls, obs: Array, dof: int) -> Signals:
+    def from_observation(cls, obs: Array, dof: int, available: frozenset[str] = frozenset(SIGNALS)) -> Signals:
         """Views into an observation (..., 7 dof + k), without copies; leading axes are kept.
+
+        Args:
+            obs: what the environment gave.
+            dof: number of joints.
+            available: names of the signals that the sensors provide, `env.unwrapped.available`.
 
         Raises:
             ValueError: the observation is too short for `dof` joints.
@@ -57,4 +70,4 @@ class Signals:
             obs[..., start : start + dof] for start in range(0, len(SIGNALS) * dof, dof)
         )
         reference = obs[..., len(SIGNALS) * dof :]
-        return cls(theta, theta_dot, tau_j, theta_n, theta_n_dot, theta_d, tau_c, reference)
+        return cls(theta, theta_dot, tau_j, theta_n, theta_n_dot, theta_d, tau_c, reference, available)

@@ -28,6 +28,7 @@ TREES = {module: ast.parse(path.read_text(encoding="utf-8")) for module, path in
 FLOW = (
     ("envs_assets",),
     ("fo_gym.parameters", "fo_gym.sensors"),
+    ("fo_gym.hardware",),
     ("fo_gym.plant",),
     ("fo_gym.control",),
     ("fo_gym.tasks",),

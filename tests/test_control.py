@@ -107,7 +107,7 @@ class Cases:
         theta = self.theta[rows]
         law = Impedance(gains, RigidBody(ROBOT, len(theta)), ELBOW)
         setpoint = TaskSetpoint(position[rows], velocity[rows], *constant)
-        return law.torque(theta, self.theta_dot[rows], self.stiffness[rows], setpoint)
+        return law.torque(theta, self.theta_dot[rows], self.stiffness[rows], np.ones((len(theta), 1)), setpoint)
 
 
 def test_statics_of_the_impedance(plain):

@@ -35,7 +35,7 @@ SB3_TOLERATED = {
 
 @every_env
 @pytest.mark.parametrize("action_mode", ["compensation", "torque"])
-@pytest.mark.parametrize("variant", ["nominal", "randomized"])
+@pytest.mark.parametrize("variant", ["nominal", "randomized", "hardware"])
 def test_checkers(env_id, action_mode, variant):
     env = make(env_id, action_mode=action_mode, variant=variant, duration=0.01)
     for checker, tolerated in ((check_env, GYMNASIUM_TOLERATED), (check_sb3_env, SB3_TOLERATED)):

@@ -39,7 +39,7 @@ def test_bad_actions_are_refused_and_change_nothing(env_id):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"variant": "hardware"}, "variant 'hardware'.*'nominal' or 'randomized'"),
+        ({"variant": "virtual"}, "variant is 'virtual'; allowed are 'nominal', 'randomized', 'hardware'"),
         ({"variant": "easy"}, "variant is 'easy'; allowed are 'nominal', 'randomized'"),
         ({"action_mode": "position"}, "action_mode is 'position'; allowed are 'compensation', 'torque'"),
         ({"feedback": None}, "feedback is None; allowed are 'measured', 'nominal'"),

@@ -18,7 +18,7 @@ IDS = fo_gym.ENVIRONMENTS
 STICTION_ID, _, SQUARE_ID = IDS
 
 every_env = pytest.mark.parametrize("env_id", IDS)
-every_variant = pytest.mark.parametrize("variant", ["nominal", "randomized"])
+every_variant = pytest.mark.parametrize("variant", ["nominal", "randomized", "hardware"])
 duplicates = pytest.mark.parametrize("duplicate", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
 
 

@@ -50,7 +50,7 @@ def test_a_file_is_read(tmp_path: Path) -> None:
         ("seeds = 2", "seeds = ", r"small\.toml"),
         ('"validation"', '"training"', "split is 'training'; allowed are leaderboard, validation"),
         ("FJRSquare-v0", "CartPole-v1", "unknown environment 'CartPole-v1'; known are FJRStiction-v0"),
-        ('"randomized"', '"hardware"', "unknown variant 'hardware'; known are nominal, randomized"),
+        ('"randomized"', '"virtual"', "unknown variant 'virtual'; known are nominal, randomized, hardware"),
         ('"randomized"', '"nominal"', r"variants \['nominal', 'nominal'\] names one of them twice"),
         ('"pd-low"', '"pid-low"', "compensators .* names one of them twice"),
         ("seeds = 2", 'seeds = "2"', "seeds is '2'"),

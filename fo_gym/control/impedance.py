@@ -57,17 +57,19 @@ class Impedance:
             ]
         )
 
-    def torque(self, theta: Array, theta_dot: Array, stiffness: Array, setpoint: TaskSetpoint) -> Array:
+    def torque(self, theta: Array, theta_dot: Array, stiffness: Array, mass: Array, setpoint: TaskSetpoint) -> Array:
         """Control torque tau_c, (num_envs, dof), N m.
 
         Args:
             theta, theta_dot: measured or nominal motor, (num_envs, dof), rad and rad/s.
-            stiffness: K_j, (num_envs, dof), N m/rad.
+            stiffness: K_j as the controller knows it, (num_envs, dof), N m/rad.
+            mass: factor on the body's masses in what the controller knows, (num_envs, 1).
             setpoint: desired motion of the tool.
         """
-        pose, tau_c = self.body.tool_pose(theta)
+        pose, gravity = self.body.tool_pose(theta)
+        tau_c = mass * gravity
         for _ in range(_STATICS_ITERATIONS - 1):
-            tau_c = self.body.gravity(theta - tau_c / stiffness)
+            tau_c = mass * self.body.gravity(theta - tau_c / stiffness)
         _add_impedance(tau_c, *pose, theta, theta_dot, *setpoint, self.elbow, self._packed)
         return tau_c
 

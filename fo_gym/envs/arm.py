@@ -5,6 +5,19 @@ from __future__ import annotations
 import numpy as np
 
 from envs_assets import asset_path
+from fo_gym.hardware import (
+    CommandDelay,
+    GearRipple,
+    Hardware,
+    LinkFriction,
+    LoadFriction,
+    ModelError,
+    MotorEncoder,
+    SensorModel,
+    Temperature,
+    TorqueSaturation,
+    TorqueSensor,
+)
 from fo_gym.parameters import FlexibleJoint, LuGre
 from fo_gym.plant import Robot
 from fo_gym.plant.robot import home_pose
@@ -36,6 +49,22 @@ ARM_FRICTION = LuGre(
     f_c=_F_C,
     f_s=1.5 * _F_C,
     v_s=0.01,
+)
+
+# A 16-bit encoder on the motor behind a gear of 100:1, noise and offset of the torque sensor within 2 % of the range
+# of the smallest joint, a tenth of the motor's friction on the link, and 2 ripples per turn of the motor.
+ARM_HARDWARE = Hardware(
+    sensors=SensorModel(
+        MotorEncoder(resolution=1e-6, cutoff=2.0 * np.pi * 150.0),
+        TorqueSensor(noise=0.05, offset=0.2, cutoff=2.0 * np.pi * 200.0),
+    ),
+    delay=CommandDelay(1e-3),
+    saturation=TorqueSaturation(),
+    link_friction=LinkFriction(coulomb=0.3, viscous=0.3, width=0.01),
+    ripple=GearRipple(amplitude=0.2, period=2.0 * np.pi / 200.0),
+    load=LoadFriction(0.063),
+    temperature=Temperature(),
+    model_error=ModelError(),
 )
 
 ARM_HOME = home_pose(ARM)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from fo_gym.envs.arm import ARM, ARM_FRICTION, ARM_HOME, ARM_JOINTS
+from fo_gym.envs.arm import ARM, ARM_FRICTION, ARM_HARDWARE, ARM_HOME, ARM_JOINTS
 from fo_gym.envs.single import JointEnv
 from fo_gym.envs.vector import JointVectorEnv
+from fo_gym.hardware import PushTime
 from fo_gym.parameters import PDGains
 from fo_gym.tasks.scenario import Push
 from fo_gym.tasks.task import Randomization, Task
@@ -32,6 +35,7 @@ REGULATION = Task(
     random_push=_PUSH,
     limit_cycle_window=(8.0, 13.0),
     randomization=Randomization(start=0.02, push_time=(13.0, 14.0)),
+    hardware=replace(ARM_HARDWARE, push_time=PushTime((13.0, 16.0))),
 )
 
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fo_gym.hardware import Hardware, SensorModel
 from fo_gym.parameters import FlexibleJoint, ImpedanceGains, LuGre, PDGains
 from fo_gym.sensors import TIERS
 from fo_gym.tasks.task import VARIANTS, Randomization, Task
@@ -21,7 +22,8 @@ class Settings:
     """How an environment is run. What is None comes from the task.
 
     Attributes:
-        variant: "nominal" (no randomness) or "randomized" (parameters drawn per episode from the seed).
+        variant: "nominal" (no randomness), "randomized" (parameters drawn per episode from the seed) or "hardware"
+            (randomized, and imperfect sensors, commands, joints and models, see `fo_gym.Hardware`).
         action_mode: "compensation" (action = tau_f_hat; tau_m = tau_c - tau_f_hat) or "torque" (action = tau_m).
         feedback: "measured" or "nominal", which motor signal the task's controller gets.
         control_dt: control period [s].
@@ -31,7 +33,10 @@ class Settings:
         joints: motors and springs.
         friction: LuGre parameters.
         gains: PDGains or ImpedanceGains, as the task's controller needs.
-        sensors: "joint" = motor encoder and joint torque sensor.
+        sensors: "joint" = motor encoder and joint torque sensor; "motor" = the encoder alone: no tau_j, no theta_n, no
+            nominal feedback; "full" = a tachometer as well.
+        sensor_model: what the sensors make of the truth; None means the hardware's.
+        hardware: effects, in any variant; None means the task's in "hardware" and none elsewhere.
         randomization: ranges from which "randomized" draws.
     """
 
@@ -46,16 +51,16 @@ class Settings:
     friction: LuGre | None = None
     gains: PDGains | ImpedanceGains | None = None
     sensors: str = "joint"
+    sensor_model: SensorModel | None = None
+    hardware: Hardware | None = None
     randomization: Randomization | None = None
 
     def __post_init__(self) -> None:
-        if self.variant == "hardware":
-            raise ValueError("variant 'hardware' does not exist yet; use 'nominal' or 'randomized'")
         for name, allowed in (
             ("variant", VARIANTS),
             ("action_mode", ACTION_MODES),
             ("feedback", FEEDBACKS),
-            ("sensors", TIERS),
+            ("sensors", tuple(TIERS)),
         ):
             if getattr(self, name) not in allowed:
                 raise ValueError(f"{name} is {getattr(self, name)!r}; allowed are {', '.join(map(repr, allowed))}")
@@ -63,6 +68,8 @@ class Settings:
             ("joints", FlexibleJoint),
             ("friction", LuGre),
             ("randomization", Randomization),
+            ("sensor_model", SensorModel),
+            ("hardware", Hardware),
         ):
             value = getattr(self, name)
             if value is not None and not isinstance(value, kind):
@@ -73,8 +80,17 @@ class Settings:
                 raise ValueError(f"{name} is {value!r}; give a number of seconds")
         if not (isinstance(self.decimation, int | np.integer) and self.decimation >= 1):
             raise ValueError(f"decimation is {self.decimation!r}; it must be a whole number of at least 1")
+        if self.sensors == "motor" and self.feedback == "nominal":
+            raise ValueError("feedback 'nominal' needs the torque sensor that sensors='motor' lacks; use 'measured'")
         if self.duration is not None and not (np.isfinite(self.duration) and self.duration > 0):
             raise ValueError(f"duration is {self.duration} s; it must be finite and above 0")
+
+    def effects(self, task: Task) -> Hardware | None:
+        """The hardware's effects; None where there are none."""
+        hardware = task.hardware if self.hardware is None and self.variant == "hardware" else self.hardware
+        if self.sensor_model is not None:
+            hardware = replace(hardware or Hardware(), sensors=self.sensor_model)
+        return hardware
 
     @property
     def step_dt(self) -> float:

@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 from fo_gym.control.nominal_motor import NominalMotor
 from fo_gym.envs.kernels import INSIDE, LOST, OUTSIDE, rewards, torques, whereabouts
 from fo_gym.envs.pushes import Pushes
+from fo_gym.envs.robots import Robots, RobotState
 from fo_gym.envs.settings import Settings
 from fo_gym.parameters import JointInfo, per_joint
 from fo_gym.plant import FlexibleJointPlant, PlantState
-from fo_gym.sensors import SIGNALS
+from fo_gym.sensors import SIGNALS, TIERS
 from fo_gym.tasks.control import make_control
 from fo_gym.tasks.scenario import Scenario, with_options
 from fo_gym.tasks.task import Task, draw_scenario
@@ -43,6 +44,7 @@ class SimulationState:
     tau_m: Array
     tau_ext: Array
     tau_f: Array
+    robots: RobotState | None
 
 
 class Simulation:
@@ -56,6 +58,9 @@ class Simulation:
     Attributes:
         scenarios: the current episode of each environment.
         ticks: control ticks since reset, (num_envs,).
+        effects: the hardware's, or None.
+        available: names of the signals that the sensors provide.
+        robots: the plant with its hardware's effects: what is measured.
     """
 
     def __init__(self, task: Task, num_envs: int, settings: Settings) -> None:
@@ -75,6 +80,10 @@ class Simulation:
         )
         self.control = make_control(task, self.plant, task.gains if settings.gains is None else settings.gains)
         self.nominal_motor = NominalMotor(num_envs, self.dof, settings.control_dt)
+        self.effects = settings.effects(self.task)
+        self.available = TIERS[settings.sensors]
+        limit, tachometer = np.asarray(self.joints.torque_limit), settings.sensors == "full"
+        self.robots = Robots(self.plant, self.effects, limit, tachometer=tachometer)
         self.scenarios: list[Scenario] = [
             draw_scenario(task, "nominal", self.joints, self.friction, np.random.default_rng(0))
         ] * num_envs
@@ -88,7 +97,6 @@ class Simulation:
         self._compensates = settings.action_mode == "compensation"
         shape = (num_envs, self.dof)
         self.tau_c = np.zeros(shape)
-        self.tau_j = np.zeros(shape)
         self.tau_m = np.zeros(shape)
         self.tau_ext = np.zeros(shape)
         self.tau_f = np.zeros(shape)
@@ -104,8 +112,8 @@ class Simulation:
         """What a compensator may know; arrays are (num_envs, dof)."""
         return JointInfo(
             dof=self.dof,
-            motor_inertia=self.plant.motor_inertia.copy(),
-            stiffness=self.plant.stiffness.copy(),
+            motor_inertia=self.robots.motor_inertia.copy(),
+            stiffness=np.array([scenario.believed.stiffness for scenario in self.scenarios]),
             torque_limit=np.broadcast_to(self.joints.torque_limit, (self.num_envs, self.dof)).copy(),
             control_dt=self.settings.step_dt,
         )
@@ -120,7 +128,8 @@ class Simulation:
         """
         scenarios = [
             with_options(
-                draw_scenario(self.task, self.settings.variant, self.joints, self.friction, generator), options
+                draw_scenario(self.task, self.settings.variant, self.joints, self.friction, generator, self.effects),
+                options,
             )
             for generator in generators
         ]
@@ -128,11 +137,12 @@ class Simulation:
             self._configure(int(i), scenario)
         self.plant.reset(ids, np.array([scenario.q_start for scenario in scenarios]))
         self.control.reset(ids, scenarios)
-        self.nominal_motor.reset(ids, self.plant.theta[ids], self.plant.theta_dot[ids])
         self.ticks[ids] = 0
-        self._measure()
+        held = self.robots.begin(ids, scenarios)
+        self.nominal_motor.reset(ids, self.robots.theta[ids], self.robots.theta_dot[ids])
+        self._update_control()
         # At rest in equilibrium the motor has been holding the spring: the first roughness counts from there.
-        self.tau_m[ids] = self.tau_j[ids]
+        self.tau_m[ids] = held
         self.tau_ext[ids] = 0.0
         self.tau_f[ids] = 0.0
 
@@ -143,11 +153,10 @@ class Simulation:
         )
         self._pushes.set(i, scenario.push)
 
-    def _measure(self) -> None:
-        """Sample the sensors and the controller at the current ticks."""
+    def _update_control(self) -> None:
+        """The reference and the controller at the current ticks."""
         self.control.update(self.ticks)
-        self.tau_j = self.plant.tau_j
-        motor = self.nominal_motor if self.settings.feedback == "nominal" else self.plant
+        motor = self.nominal_motor if self.settings.feedback == "nominal" else self.robots
         self.tau_c = self.control.torque(motor.theta, motor.theta_dot)
 
     def step(self, action: Array) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_], dict[int, str]]:
@@ -163,13 +172,14 @@ class Simulation:
         for _ in range(self.settings.decimation):
             self._hold(action)
             before = self.plant.snapshot()
-            self.plant.step(self.tau_m, self.tau_ext)
-            self.nominal_motor.step(self.tau_c, self.tau_j, self.plant.motor_inertia)
+            self.robots.step(self.tau_m, self.tau_ext, self.ticks)
+            self.nominal_motor.step(self.tau_c, self.robots.tau_j, self.robots.motor_inertia)
             self.ticks += 1
             if not whereabouts(self.plant.motion, self._low, self._high, self._where):
                 self._find_ends(before, reasons)
             tau_f = tau_f + self.plant.tau_f
-            self._measure()
+            self.robots.look()
+            self._update_control()
         self.tau_f = np.asarray(tau_f / self.settings.decimation)
         distance = self.control.distance(self.plant)
         reward = rewards(self.tau_m, previous, limit, distance, self.task.accuracy, ROUGHNESS_WEIGHT)
@@ -192,6 +202,7 @@ class Simulation:
             self.joints.torque_limit,
             self._compensates,
         )
+        self.tau_m = self.robots.command(self.tau_m)
 
     def _find_ends(self, before: Array, reasons: dict[int, str]) -> None:
         """Note environments that left the joint range or the finite numbers; put the latter back to `before`."""
@@ -203,20 +214,14 @@ class Simulation:
 
     def observation(self) -> Array:
         """What the joints measure and compute at the coming tick, (num_envs, observation_size); see Signals."""
-        plant, nominal = self.plant, self.nominal_motor
-        return np.concatenate(
-            [
-                plant.theta,
-                plant.theta_dot,
-                self.tau_j,
-                nominal.theta,
-                nominal.theta_dot,
-                self.control.theta_d,
-                self.tau_c,
-                self.control.reference,
-            ],
-            axis=1,
-        )
+        robots, nominal = self.robots, self.nominal_motor
+        blocks = [robots.theta, robots.theta_dot, robots.tau_j, nominal.theta, nominal.theta_dot]
+        blocks += [self.control.theta_d, self.tau_c, self.control.reference]
+        if len(self.available) < len(SIGNALS):
+            nothing = np.zeros_like(self.tau_c)
+            for place, name in enumerate(SIGNALS):
+                blocks[place] = blocks[place] if name in self.available else nothing
+        return np.concatenate(blocks, axis=1)
 
     def truth(self) -> dict[str, Array]:
         """Privileged truth for scoring and plotting, (num_envs, dof) each.
@@ -248,6 +253,7 @@ class Simulation:
             self.tau_m.copy(),
             self.tau_ext.copy(),
             self.tau_f.copy(),
+            self.robots.get_state(),
         )
 
     def set_state(self, state: SimulationState) -> None:
@@ -268,4 +274,5 @@ class Simulation:
         self.ticks = state.ticks.copy()
         self.tau_m = state.tau_m.copy()
         self.tau_ext = state.tau_ext.copy()
-        self._measure()
+        self.robots.set_state(state.robots, state.scenarios)
+        self._update_control()

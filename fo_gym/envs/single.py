@@ -50,6 +50,11 @@ class JointEnv(gym.Env[Array, Array]):
         self.action_space = Box(-limit, limit, dtype=np.float64)
 
     @property
+    def available(self) -> frozenset[str]:
+        """Names of the signals that the sensors provide; the others are zero."""
+        return self.simulation.available
+
+    @property
     def joint_info(self) -> JointInfo:
         """What a compensator may know of the current episode's joints; arrays are (dof,)."""
         info = self.simulation.joint_info

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from fo_gym.envs.arm import ARM, ARM_FRICTION, ARM_HOME, ARM_JOINTS
+from fo_gym.envs.arm import ARM, ARM_FRICTION, ARM_HARDWARE, ARM_HOME, ARM_JOINTS
 from fo_gym.envs.single import JointEnv
 from fo_gym.envs.vector import JointVectorEnv
+from fo_gym.hardware import PushTime
 from fo_gym.parameters import ImpedanceGains
 from fo_gym.tasks.path import SquarePath
 from fo_gym.tasks.scenario import Push
@@ -36,6 +39,7 @@ SQUARE = Task(
     random_push=Push(time=0.0, duration=0.5, torque=np.array([0.0, 10.0, 0.0, 0.0, 0.0, 0.0, 0.0])),
     limit_cycle_window=None,
     randomization=Randomization(start=0.02, push_time=(5.5, 6.0)),
+    hardware=replace(ARM_HARDWARE, push_time=PushTime((5.2, 7.0))),
 )
 
 

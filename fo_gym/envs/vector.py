@@ -78,6 +78,11 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         self._everyone.flags.writeable = False
 
     @property
+    def available(self) -> frozenset[str]:
+        """Names of the signals that the sensors provide; the others are zero."""
+        return self.simulation.available
+
+    @property
     def joint_info(self) -> JointInfo:
         """What a compensator may know of the current episodes' joints; arrays are (num_envs, dof)."""
         return self.simulation.joint_info

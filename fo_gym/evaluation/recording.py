@@ -173,7 +173,7 @@ class _Recorder:
         self.simulation = env.simulation
         self.dof = self.simulation.dof
         self.steps = self.simulation.last_tick // self.simulation.settings.decimation
-        self.signals = Signals.from_observation(obs, self.dof)
+        self.signals = Signals.from_observation(obs, self.dof, env.available)
         sizes = {name: getattr(self.signals, name).shape[-1] for name in _TICK_SIGNALS}
         sizes |= dict.fromkeys(_TICK_TRUTH, self.dof)
         self.ticks = {name: np.empty((self.steps + 1, env.num_envs, size)) for name, size in sizes.items()}
@@ -201,7 +201,7 @@ class _Recorder:
             self.seconds[step] = time.perf_counter() - start
             self.periods["tau_f_hat"][step] = estimate
             obs, _, terminated, _, info = self.env.step(estimate)
-            self.signals = Signals.from_observation(obs, self.dof)
+            self.signals = Signals.from_observation(obs, self.dof, self.env.available)
             for part in _PERIOD_TRUTH:
                 self.periods[part][step] = info[part]
             self._keep_tick(step + 1, info)

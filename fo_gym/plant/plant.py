@@ -18,6 +18,8 @@ from fo_gym.plant.twin import twin_model
 
 Array = NDArray[np.float64]
 
+_FRICTION = [PARAMETERS.index(name) for name in ("sigma_2", "f_c", "f_s")]
+
 __all__ = ["FlexibleJointPlant", "PlantState"]
 
 
@@ -82,6 +84,7 @@ class FlexibleJointPlant:
         self.body = RigidBody(robot, num_envs)
         shape = (num_envs, robot.dof)
         self._parameters = np.empty((*shape, len(PARAMETERS)))
+        self._friction = np.empty((*shape, len(_FRICTION)))
         self._state = np.zeros((len(STATE), *shape))
         self._q_dot_before = np.zeros(shape)
         self._ticks = np.zeros(num_envs, dtype=np.int64)
@@ -120,7 +123,18 @@ class FlexibleJointPlant:
         values = {**vars(per_joint(joints, self.robot.dof)), **vars(per_joint(friction, self.robot.dof))}
         for column, name in enumerate(PARAMETERS):
             self._parameters[ids, :, column] = values[name]
+        self._friction[ids] = self._parameters[ids][..., _FRICTION]
         self.body.scale_mass(np.full(len(ids), mass_scale), ids)
+
+    def vary_friction(self, dry: Array | float, added: Array | float, viscous: Array | float) -> None:
+        """Friction from now on: f_c and f_s of `configure` times `dry` plus `added`, its sigma_2 times `viscous`.
+
+        Args:
+            dry, viscous: factors, (num_envs, dof) or numbers.
+            added: [N | N m], likewise.
+        """
+        sigma_2, f_c, f_s = np.moveaxis(self._friction, -1, 0)
+        self._parameters[..., _FRICTION] = np.stack([viscous * sigma_2, dry * f_c + added, dry * f_s + added], axis=-1)
 
     def reset(self, ids: NDArray[np.intp], q: Array) -> None:
         """Put the named environments at rest at q (n, dof), in static equilibrium: theta = q + K_j^-1 g(q), z = 0.

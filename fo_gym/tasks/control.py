@@ -68,10 +68,11 @@ class StepControl:
         """See TaskControl."""
         self._stepped = -1
         poses = np.array([[scenario.q_start, scenario.target] for scenario in scenarios])
+        mass, stiffness = _believed(scenarios)
         for phase in (0, 1):
             q_d = poses[:, phase]
-            self._gravity[phase, ids] = self._plant.body.gravity(q_d, ids)
-            self._theta_d[phase, ids] = q_d + self._gravity[phase, ids] / self._plant.stiffness[ids]
+            self._gravity[phase, ids] = mass * self._plant.body.gravity(q_d, ids)
+            self._theta_d[phase, ids] = q_d + self._gravity[phase, ids] / stiffness
 
     def update(self, ticks: NDArray[np.int64]) -> None:
         """See TaskControl."""
@@ -93,6 +94,12 @@ class StepControl:
         return np.sqrt(np.add.reduce(error * error, axis=1) / error.shape[1])
 
 
+def _believed(scenarios: Sequence[Scenario]) -> tuple[Array, Array]:
+    """What the controller knows: factor on the true masses (n, 1), and K_j (n, dof)."""
+    mass = np.array([[scenario.believed_mass] for scenario in scenarios])
+    return mass, np.array([scenario.believed.stiffness for scenario in scenarios])
+
+
 @lru_cache(maxsize=8)
 def _cached_table(robot: Robot, path: SquarePath, q_start: tuple[float, ...], dt: float) -> PathTable:
     return path_table(robot, path, np.array(q_start), dt)
@@ -107,26 +114,30 @@ class PathControl:
         self._plant = plant
         self._law = Impedance(gains, plant.body, ELBOW)
         self._mass_scale = np.ones((plant.num_envs, 1))
+        self._mass = np.ones((plant.num_envs, 1))
+        self._stiffness = plant.stiffness.copy()
         self._row = np.zeros(plant.num_envs, dtype=np.int64)
         self.theta_d = np.zeros((plant.num_envs, plant.robot.dof))
         self.reference = np.zeros((plant.num_envs, 3))
 
     def reset(self, ids: Ids, scenarios: Sequence[Scenario]) -> None:
         """See TaskControl."""
+        self._mass[ids], self._stiffness[ids] = _believed(scenarios)
         self._mass_scale[ids, 0] = [scenario.mass_scale for scenario in scenarios]
+        self._mass_scale[ids] *= self._mass[ids]
 
     def update(self, ticks: NDArray[np.int64]) -> None:
         """See TaskControl."""
         self._row = np.minimum(ticks, len(self.table.q_d) - 1)
         gravity = self.table.gravity[self._row] * self._mass_scale
-        self.theta_d = self.table.q_d[self._row] + gravity / self._plant.stiffness
+        self.theta_d = self.table.q_d[self._row] + gravity / self._stiffness
         self.reference = self.table.position[self._row]
 
     def torque(self, theta: Array, theta_dot: Array) -> Array:
         """See TaskControl."""
         table = self.table
         setpoint = TaskSetpoint(self.reference, table.velocity[self._row], table.rotation, table.elbow)
-        return self._law.torque(theta, theta_dot, self._plant.stiffness, setpoint)
+        return self._law.torque(theta, theta_dot, self._stiffness, self._mass, setpoint)
 
     def distance(self, plant: FlexibleJointPlant) -> Array:
         """See TaskControl."""

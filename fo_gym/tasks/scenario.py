@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.hardware import HardwareDraw
 from fo_gym.parameters import FlexibleJoint, LuGre
 
 Array = NDArray[np.float64]
@@ -50,6 +51,7 @@ class Scenario:
         q_start: links at reset, (dof,), m or rad.
         target: desired links after the step, (dof,), m or rad; None where a path is followed.
         push: external push, or None.
+        hardware: what was drawn of the hardware's effects, or None where there are none.
     """
 
     friction: LuGre
@@ -58,6 +60,17 @@ class Scenario:
     q_start: Array
     target: Array | None
     push: Push | None
+    hardware: HardwareDraw | None = None
+
+    @property
+    def believed(self) -> FlexibleJoint:
+        """Motors and springs as controller, nominal motor and compensator know them."""
+        return self.joints if self.hardware is None else self.hardware.believed
+
+    @property
+    def believed_mass(self) -> float:
+        """Factor on the true masses in what the controller knows."""
+        return 1.0 if self.hardware is None else self.hardware.believed_mass
 
 
 def _vector(value: Any, dof: int, what: str) -> Array:

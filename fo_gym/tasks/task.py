@@ -8,6 +8,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.hardware import Hardware, draw_hardware
 from fo_gym.parameters import FlexibleJoint, ImpedanceGains, LuGre, PDGains, per_joint
 from fo_gym.plant import Robot
 from fo_gym.tasks.path import SquarePath
@@ -16,7 +17,7 @@ from fo_gym.tasks.scenario import Push, Scenario
 Array = NDArray[np.float64]
 Range = tuple[float, float]
 
-VARIANTS = ("nominal", "randomized")
+VARIANTS = ("nominal", "randomized", "hardware")
 
 __all__ = ["VARIANTS", "Randomization", "Task", "draw_scenario"]
 
@@ -82,6 +83,7 @@ class Task:
         random_push: the push that "randomized" varies.
         limit_cycle_window: (start, end) [s] where limit cycles are looked for, or None.
         randomization: ranges of the "randomized" variant.
+        hardware: effects of the "hardware" variant, which are added to those draws.
     """
 
     robot: Robot
@@ -99,6 +101,7 @@ class Task:
     random_push: Push
     limit_cycle_window: Range | None
     randomization: Randomization
+    hardware: Hardware
 
     @property
     def motion_window(self) -> Range | None:
@@ -128,19 +131,37 @@ def _draw_friction(friction: LuGre, spread: Randomization, rng: np.random.Genera
 
 
 def draw_scenario(
-    task: Task, variant: str, joints: FlexibleJoint, friction: LuGre, rng: np.random.Generator
+    task: Task,
+    variant: str,
+    joints: FlexibleJoint,
+    friction: LuGre,
+    rng: np.random.Generator,
+    hardware: Hardware | None = None,
 ) -> Scenario:
     """One episode of `task`.
 
-    "nominal" draws nothing. "randomized" draws friction, inertia, stiffness, start, target and push, in this order
-    and always all of them, so that an episode without friction has the same draws as one with it.
+    "nominal" draws nothing. The others draw friction, inertia, stiffness, start, target and push, in this order
+    and always all of them, so that an episode without friction has the same draws as one with it. What the hardware
+    draws comes last.
 
     Args:
         task: what is varied.
         variant: one of VARIANTS.
         joints, friction: nominal parameters (the user's, or the task's).
         rng: the environment's generator.
+        hardware: effects, or None.
     """
+    scenario = _draw_plain(task, variant, joints, friction, rng)
+    if hardware is None:
+        return scenario
+    drawn = draw_hardware(hardware, per_joint(scenario.joints, task.robot.dof), rng)
+    push = scenario.push
+    if push is not None and drawn.push_time is not None:
+        push = replace(push, time=drawn.push_time)
+    return replace(scenario, push=push, hardware=drawn)
+
+
+def _draw_plain(task: Task, variant: str, joints: FlexibleJoint, friction: LuGre, rng: np.random.Generator) -> Scenario:
     dof = task.robot.dof
     target = None if task.step is None else task.q_start + task.step
     if variant == "nominal":
