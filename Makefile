@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 # Only what draws asks for OpenGL: importing MuJoCo with "egl" fails where there is no libEGL.
 test docs: export MUJOCO_GL ?= egl
 
-.PHONY: leaderboard quick reproduce reproduce-quick train bench test check docs clean help
+.PHONY: leaderboard quick reproduce reproduce-quick train tune bench test check docs clean help
 
 leaderboard: $(VENV)/.run  ## score everybody, write leaderboard/ (a few minutes on two cores)
 	$(BIN)/fo-gym leaderboard --out leaderboard
@@ -24,6 +24,11 @@ reproduce-quick: $(VENV)/.reproduce  ## the same with fewer random cases, to bui
 train: $(VENV)/.rl  ## train the learned compensators as they are shipped, to build/train/ (minutes; goes on after a kill)
 	$(BIN)/fo-gym train --out build/train/rl-residual
 	$(BIN)/fo-gym train --direct --segments 12 --out build/train/rl-direct
+
+tune: $(VENV)/.tune  ## tune the classical observers as they are shipped, to build/tuning/ (long; goes on after a kill)
+	$(BIN)/fo-gym tune pid-high --name pid-tuned
+	$(BIN)/fo-gym tune pd-high --name pd-tuned
+	$(BIN)/fo-gym tune letien-high --name letien-tuned
 
 bench: $(VENV)/.rl  ## measure the speed of the environments beside their peers, to docs/bench/ (minutes; close other programs)
 	$(BIN)/fo-gym bench --out docs/bench
@@ -66,9 +71,14 @@ $(VENV)/.rl: $(VENV)/.run
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[rl]'
 	touch $@
 
+$(VENV)/.tune: $(VENV)/.run
+	@echo "installing what tuning needs into $(VENV)"
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[tune]'
+	touch $@
+
 $(VENV)/.dev: $(VENV)/.reproduce
 	@echo "installing what the tests need into $(VENV)"
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev,reproduce,rl]'
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev,ray,reproduce,rl,tune]'
 	touch $@
 
 clean:  ## remove the virtual environment and everything built

@@ -7,11 +7,13 @@ Measurements", arXiv:1907.00553. With e = theta_n - theta, the lag of the motor 
     PD-type    tau_f_hat = -B L (e' + L_p e)                 a (2,1)-order low-pass of tau_f
 
 In discrete time the integral is the sum of control_dt times the past ticks' e.
+
+The two with measured feedback are the ablation: the same low-passes of tau_f, without what makes them come to rest.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +23,18 @@ from fo_gym import JointInfo, Signals
 
 Array = NDArray[np.float64]
 
-__all__ = ["PDObserver", "PIDObserver", "pd_high", "pd_low", "pid_high", "pid_low"]
+__all__ = [
+    "MeasuredPDObserver",
+    "MeasuredPIDObserver",
+    "PDObserver",
+    "PIDObserver",
+    "pd_high",
+    "pd_low",
+    "pd_measured",
+    "pid_high",
+    "pid_low",
+    "pid_measured",
+]
 
 
 class PDObserver:
@@ -35,6 +48,7 @@ class PDObserver:
     """
 
     feedback = "nominal"
+    search_space: ClassVar[dict[str, tuple[float, float]]] = {"L": (20.0, 400.0), "Lp": (4.0, 80.0)}
 
     def __init__(self, L: float, Lp: float) -> None:
         self.L = check_gain(self, "L", L)
@@ -65,6 +79,11 @@ class PIDObserver:
     """
 
     feedback = "nominal"
+    search_space: ClassVar[dict[str, tuple[float, float]]] = {
+        "L": (20.0, 400.0),
+        "Lp": (4.0, 80.0),
+        "Li": (1.0, 1600.0),
+    }
 
     def __init__(self, L: float, Lp: float, Li: float) -> None:
         self.L = check_gain(self, "L", L)
@@ -92,6 +111,18 @@ class PIDObserver:
         return estimate
 
 
+class MeasuredPDObserver(PDObserver):
+    """PDObserver with measured feedback: theta follows theta_d itself, and nothing ties theta_n to the target."""
+
+    feedback = "measured"
+
+
+class MeasuredPIDObserver(PIDObserver):
+    """PIDObserver with measured feedback: theta follows theta_d itself, and nothing ties theta_n to the target."""
+
+    feedback = "measured"
+
+
 # Gains of arXiv:1907.00553, section V; a keyword replaces one of them.
 
 
@@ -113,3 +144,13 @@ def pd_low(**gains: Any) -> PDObserver:
 def pd_high(**gains: Any) -> PDObserver:
     """PD-type observer with the paper's high gains."""
     return PDObserver(**({"L": 100.0, "Lp": 20.0} | gains))
+
+
+def pid_measured(**gains: Any) -> MeasuredPIDObserver:
+    """PID-type observer with the paper's high gains and measured feedback."""
+    return MeasuredPIDObserver(**({"L": 100.0, "Lp": 20.0, "Li": 100.0} | gains))
+
+
+def pd_measured(**gains: Any) -> MeasuredPDObserver:
+    """PD-type observer with the paper's high gains and measured feedback."""
+    return MeasuredPDObserver(**({"L": 100.0, "Lp": 20.0} | gains))

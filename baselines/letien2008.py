@@ -6,7 +6,7 @@ with Joint Torque Measurement", IROS 2008; as compared in arXiv:1907.00553.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,7 @@ class LeTienObserver:
     """
 
     feedback = "measured"
+    search_space: ClassVar[dict[str, tuple[float, float]]] = {"L": (20.0, 400.0)}
 
     def __init__(self, L: float, gain: float = 1.0) -> None:
         self.L = check_gain(self, "L", L)

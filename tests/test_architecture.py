@@ -37,7 +37,7 @@ FLOW = (
     ("fo_gym.compensators",),
     ("fo_gym.evaluation", "fo_gym.protocols"),
     ("fo_gym",),
-    ("fo_gym.reproduction", "fo_gym.bench"),
+    ("fo_gym.reproduction", "fo_gym.bench", "fo_gym.tuning"),
     ("fo_gym.cli", "baselines"),
 )
 LEVEL = {part: level for level, parts in enumerate(FLOW) for part in parts}

@@ -15,6 +15,7 @@ from typer.testing import CliRunner
 
 import fo_gym
 from fo_gym.cli import app
+from fo_gym.evaluation.entry import shipped_entries
 from fo_gym.evaluation.metrics import METRICS
 
 SQUARE = "FJRSquare-v0"
@@ -106,13 +107,14 @@ def test_list_shows_everything() -> None:
         "compensator": fo_gym.list_compensators(),
         "metric": list(METRICS),
         "protocol": ["full", "quick"],
-    }
+    } | ({"entry": list(shipped_entries())} if shipped_entries() else {})
 
 
 COMMANDS = {
     "list": "fo-gym list",
     "evaluate": "fo-gym evaluate my.py:Mine",
     "leaderboard": "fo-gym leaderboard --quick",
+    "verify": "fo-gym verify build/mine --sample 20",
 }
 
 
@@ -188,6 +190,15 @@ def test_a_broken_compensator_fails_after_the_table_and_writes_nothing(folder: P
     assert written(folder) == before
 
 
+def test_an_entry_is_evaluated_as_any_other(folder: Path) -> None:
+    (folder / "mine.toml").write_text(
+        'name = "m"\nspec = "mine.py:Mine"\nauthors = ["Me"]\nlink = ""\n', encoding="utf-8"
+    )
+    result = run("evaluate", "mine.toml", "--env", SQUARE, "--jobs", "1")
+    assert result.code == 0, result.err
+    assert set(table_rows(result.out)) == {"m", "none", "ideal", *SIX}
+
+
 # leaderboard
 
 
@@ -222,6 +233,11 @@ REFUSED = [
     ("leaderboard --protocol nothing.toml", "there is no protocol 'nothing.toml'; name a TOML file or one of full"),
     ("leaderboard --protocol [notes].toml", "protocol [notes].toml: "),
     ("evaluate syntax.py:Mine", "syntax.py:Mine"),
+    ("evaluate tiny.toml", "entry tiny.toml: missing keys ['spec', 'authors', 'link'], unknown keys ['split', "),
+    ("leaderboard --protocol tiny.toml --submissions nowhere", "there is no folder nowhere"),
+    ("leaderboard --protocol tiny.toml --address here", "add --backend ray"),
+    ("verify nowhere", "there is no nowhere/episodes.csv"),
+    ("verify --jobs 0", "jobs"),
     ("leaderboard --protocol tiny.toml --jobs 0", "jobs"),
 ]
 

@@ -1,4 +1,4 @@
-"""From rows to the leaderboard and to the standings: columns, means, intervals, verdicts."""
+"""From rows to the leaderboard: columns, means, intervals, ranks, verdicts, and what is said about them."""
 
 from __future__ import annotations
 
@@ -8,19 +8,22 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from tables import KEYS, PROVENANCE, SQUARE
+from tables import KEYS, REGULATION, SQUARE, STICTION
 
-from fo_gym.evaluation.evaluate import failed_rows
-from fo_gym.evaluation.leaderboard import leaderboard, standings
+from fo_gym.evaluation.evaluate import EpisodeSet, failed_rows
+from fo_gym.evaluation.leaderboard import STANDING, is_baseline, leaderboard, overall, standings
 from fo_gym.evaluation.metrics import METRICS
-from fo_gym.evaluation.run import EpisodeSet
+from fo_gym.evaluation.provenance import provenance
+from fo_gym.evaluation.tables import finding, rankings
 
 
-def synthetic(frr: dict[str, list[float]], variant: str = "randomized", **columns: Any) -> pd.DataFrame:
+def synthetic(
+    frr: dict[str, list[float]], variant: str = "randomized", env: str = SQUARE, **columns: Any
+) -> pd.DataFrame:
     """Episodes with these friction rejection ratios, as `evaluate` would give them."""
     parts = []
     for name, values in frr.items():
-        part = failed_rows(EpisodeSet(SQUARE, variant, tuple(range(len(values))), {}), name, "", "p@0")
+        part = failed_rows(EpisodeSet(env, variant, tuple(range(len(values))), {}), name, "", "p@0")
         parts.append(part.assign(frr=values, status="ok", joint_unit="rad", **columns))
     return pd.concat(parts, ignore_index=True)
 
@@ -39,7 +42,8 @@ KNOWN = {
 def test_columns_of_the_leaderboard() -> None:
     expected = [*KEYS, "status", "error", "episodes", "frr", "frr_ci_low", "frr_ci_high"]
     table = leaderboard(synthetic(KNOWN))
-    assert list(table) == [*expected, *[name for name in METRICS if name != "frr"], "joint_unit", *PROVENANCE]
+    others = [name for name in METRICS if name != "frr"]
+    assert list(table) == [*expected, *STANDING, *others, "joint_unit", *provenance()]
     assert table["compensator"].tolist() == list(KNOWN)
     assert table["episodes"].tolist() == [20] * 5
     assert table["protocol"].tolist() == ["p@0"] * 5
@@ -98,8 +102,120 @@ def test_verdicts_compare_seed_by_seed() -> None:
 
 
 def test_a_new_competitor_leaves_the_other_rows_alone() -> None:
+    """What is said of a row alone, and of it and the best, stays to the bit; ranks and letters may move on."""
     small, large = synthetic(KNOWN), synthetic({"new": list(BASE[::-1] - 0.2), **KNOWN})
-    before, after = leaderboard(small).to_csv(index=False), leaderboard(large).to_csv(index=False)
+    moves = ["rank", "rank_ci_low", "rank_ci_high", "tied_group"]
+    before, after = (leaderboard(table).drop(columns=moves).to_csv(index=False) for table in (small, large))
     assert [line for line in after.splitlines() if ",new," not in line] == before.splitlines()
-    ranked = standings(large).set_index("compensator")
-    assert ranked["verdict"].drop("new").to_dict() == standings(small).set_index("compensator")["verdict"].to_dict()
+
+
+def test_standings_where_the_answer_is_known() -> None:
+    table = leaderboard(synthetic(KNOWN)).set_index("compensator")
+    assert table.loc[["none", "ideal"], STANDING].isna().all(axis=None)
+    assert table["tied_group"].dropna().to_dict() == {"behind": "b", "best": "a", "tied": "a"}
+    assert table.loc["best", ["rank_ci_low", "frr_to_best", "frr_to_best_ci_low"]].tolist() == [1, 0, 0]
+    assert table.loc["behind", ["rank_ci_low", "rank_ci_high"]].tolist() == [3, 3]
+    assert table.loc["tied", ["rank_ci_low", "rank_ci_high"]].tolist() == [1, 2]
+    behind = table.loc["behind"]
+    assert behind["frr_to_best_ci_low"] < behind["frr_to_best"] < behind["frr_to_best_ci_high"] < 0.0
+    assert behind["frr_to_best"] == pytest.approx(-0.1, abs=0.02)
+
+
+def test_the_difference_to_the_best_baseline_passes_over_what_learned_and_what_is_not_ours() -> None:
+    frr = {"rl-new": 0.9, "mine.py:Mine": 0.8, "pid": 0.7, "pd": 0.6}
+    table = standings(synthetic({name: list(BASE + level) for name, level in frr.items()})).set_index("compensator")
+    assert table["frr_to_baseline"].to_dict() == pytest.approx({name: level - 0.7 for name, level in frr.items()})
+    assert table["frr_to_best"].to_dict() == pytest.approx({name: level - 0.9 for name, level in frr.items()})
+    assert standings(synthetic({"rl-a": [0.1], "rl-b": [0.2]}))["frr_to_baseline"].isna().all()
+
+
+BASELINES = [
+    ("pid-high", "baseline", True),
+    ("pid-high", "", True),
+    ("rl-residual", "baseline", False),
+    ("mine.py:Mine", "baseline", False),
+    ("mine", "submission", False),
+    ("none", "reference", False),
+]
+
+
+@pytest.mark.parametrize(("name", "origin", "expected"), BASELINES)
+def test_what_a_baseline_is(name: str, origin: str, expected: bool) -> None:
+    assert is_baseline(name, origin) is expected
+
+
+def test_equal_competitors_share_the_rank() -> None:
+    table = standings(synthetic({"a": [0.5, 0.6], "b": [0.5, 0.6], "c": [0.1, 0.2]}))
+    assert table["rank"].tolist() == [1, 1, 3]
+    assert table["rank_ci_low"].tolist() == [1, 1, 3]
+    assert table["verdict"].tolist() == ["best", "tied", "behind"]
+
+
+def three(levels: dict[str, tuple[float, float, float]], variant: str = "hardware") -> pd.DataFrame:
+    """Episodes on all three environments, at these levels of frr, of which every second is 0.02 better."""
+    sets = [
+        synthetic({name: list(level[i] - 0.02 * (TURNS > 0)) for name, level in levels.items()}, variant, env)
+        for i, env in enumerate((STICTION, REGULATION, SQUARE))
+    ]
+    return pd.concat(sets, ignore_index=True)
+
+
+def test_overall_counts_every_environment_the_same() -> None:
+    episodes = pd.concat([three({"a": (0.9, 0.8, 0.1), "b": (0.5, 0.5, 0.5)}), synthetic({"a": [1.0]}, "nominal")])
+    table = overall(episodes)
+    assert table[["env", "variant"]].drop_duplicates().to_numpy().tolist() == [["overall", "hardware"]]
+    assert table["frr"].tolist() == pytest.approx([0.59, 0.49])
+    assert table["episodes"].tolist() == [60, 60]
+    assert table["verdict"].tolist() == ["best", "behind"]
+    assert ((table["frr_ci_low"] < table["frr"]) & (table["frr"] < table["frr_ci_high"])).all()
+    others = ["status", "error", "episodes", "frr", "frr_ci_low", "frr_ci_high"]
+    assert list(table) == [*KEYS, *others, *STANDING, *provenance()]
+
+
+def test_overall_needs_a_score_on_every_environment() -> None:
+    episodes = three({"a": (0.9, 0.8, 0.1), "b": (0.95, 0.95, 0.95)})
+    lost = (episodes["compensator"] == "b") & (episodes["env"] == SQUARE)
+    episodes.loc[lost, ["status", "error", "frr"]] = ["failed", "KeyError: oops", math.nan]
+    table = overall(episodes).set_index("compensator")
+    assert table["rank"].fillna(0).to_dict() == {"a": 1, "b": 0}
+    assert table.loc["b", ["status", "error"]].tolist() == ["failed", "KeyError: oops"]
+    assert overall(synthetic(KNOWN)).empty
+
+
+def test_the_page_begins_with_all_environments_together() -> None:
+    episodes = three({"a": (0.9, 0.8, 0.1), "none": (0.0, 0.0, 0.0)})
+    everywhere, *single = rankings(episodes)
+    assert everywhere.title == "All environments, hardware"
+    assert everywhere.headings[:6] == ["rank", "compensator", "FRR", "95 % interval", "ranks", "group"]
+    assert everywhere.cells[0][:3] == ["1", "a", "0.5900"]
+    assert everywhere.cells[0][4:] == ["1 ... 1", "a", "best"]
+    assert everywhere.cells[1][4:] == ["", "", "reference"]
+    assert [ranking.title for ranking in single] == [f"{env}, hardware" for env in (STICTION, REGULATION, SQUARE)]
+    assert list(rankings(episodes, leaderboard(episodes)))[1:] == single
+
+
+FINDING = (
+    "In `hardware`, `b` is best on FJRStiction-v0, tied with nobody; `a` is best on FJRRegulation-v0, tied with "
+    "`e` and `b`; `a` is best on FJRSquare-v0, tied with `e`. Beaten by the best (95 % interval without zero): "
+    "everywhere: `c`; on FJRStiction-v0: `a`, `e`; on FJRSquare-v0: `b`; without a score somewhere: `d`."
+)
+
+
+def test_the_finding_names_who_is_tied_and_who_is_beaten() -> None:
+    episodes = three({"a": (0.7, 0.8, 0.9), "e": (0.7, 0.8, 0.9), "b": (0.8, 0.799, 0.5), "c": (0.1, 0.1, 0.1)})
+    noisy = (episodes["compensator"] == "b") & (episodes["env"] == REGULATION)
+    episodes.loc[noisy, "frr"] += 0.05 * TURNS
+    failed = synthetic({"d": [math.nan] * 20}, "hardware").assign(status="failed", error="oops")
+    text = finding(leaderboard(pd.concat([episodes, failed])), "hardware")
+    assert text == FINDING
+    assert text.count(". ") == 1
+    with pytest.raises(ValueError, match="no variant 'wild'; it has hardware"):
+        finding(leaderboard(episodes), "wild")
+
+
+def test_the_finding_where_nobody_is_beaten_or_scored() -> None:
+    assert finding(leaderboard(synthetic({"a": [0.5]})), "randomized") == (
+        f"In `randomized`, `a` is best on {SQUARE}, tied with nobody. "
+        "Beaten by the best (95 % interval without zero): nobody."
+    )
+    assert f"nobody has a score on {SQUARE}. " in finding(leaderboard(synthetic({"a": [math.nan]})), "randomized")

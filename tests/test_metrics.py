@@ -71,12 +71,25 @@ def observer(*tau_f_hat: float) -> dict[str, Any]:
     return {"theta": TIME, "theta_n": 1.1 * TIME, "theta_dot": np.where(stuck, 0.0, 1.0), "tau_f_hat": tau_f_hat}
 
 
+def bursts(speed: float, *starts: float) -> np.ndarray:
+    """At rest, but for 10 ms of `speed` from each of the starts [s]."""
+    return speed * sum((np.abs(TIME - start - 0.0049) < 0.005).astype(float) for start in starts)
+
+
+def rowing(share: float) -> dict[str, Any]:
+    """To and fro against a friction of 2, of which the estimate takes a share."""
+    direction = np.where(np.arange(len(PERIODS)) // 100 % 2, -1.0, 1.0)
+    theta = np.concatenate([[0.0], np.cumsum(1e-3 * direction)])
+    return {"theta": theta, "tau_f": -2.0 * direction, "tau_f_hat": -2.0 * share * direction}
+
+
 FLIP = np.where(np.arange(len(PERIODS)) % 2, -1.0, 1.0)
 RING = np.exp(-0.4 * TIME) * np.cos(5.0 * TIME)
 RIPPLE = 0.1 * np.sin(20 * np.pi * TIME)
 REST = {"theta": 0.5 + columns(np.where(TIME < 13.0005, 0.002, 0.007), -0.003), "theta_d": 0.5}
 PUSH = Push(13.0, 0.5, np.array([10.0, 0.0]))
 WINDOW = {"limit_cycle_window": (10.0, 20.0)}
+SLIDE = {"ideal": TIME, **WINDOW}
 STEP = {"step_time": 3.0, "theta_d": columns(np.where(TIME < 2.9995, 0.0, -0.1), 0.0)}
 RISE = columns(np.where(TIME < 3.0, 0.0, -0.1 * (1 - np.exp(-(TIME - 3.0) / 0.5))), 0.0)
 SETTLED = math.ceil(0.5 * math.log(50) / DT) * DT
@@ -103,6 +116,10 @@ CLOSED_FORM: list[tuple[str, float, dict[str, Any]]] = [
     ("limit_cycle_period_s", 4.0, {"theta": 1e-3 * columns(RIPPLE + stick_slip(4.0), stick_slip(2.0)), **WINDOW}),
     ("limit_cycle_period_s", 9.5, {"theta": 1e-3 * stick_slip(9.5) + 1e-5 * TIME, **WINDOW}),
     ("limit_cycle_period_s", 1.7, {"theta": np.sin(2 * np.pi * TIME / 1.7) + 0.1 * TIME, **WINDOW}),
+    ("stick_slip_count", 3.0, {"theta_dot": bursts(0.04, 9.0, 11.0, 13.0, 13.05, 13.1, 17.0), **SLIDE}),
+    ("stick_slip_count", 1.0, {"theta_dot": columns(bursts(0.02, 11.0, 12.0), bursts(-9.0, 16.0)), **SLIDE}),
+    ("stick_slip_count", 0.0, {"theta_dot": 0.01 * np.sin(20 * TIME) + bursts(9.0, 12.0, 15.0), **SLIDE}),
+    ("stick_slip_count", 6.0, {"theta_dot": np.where(TIME % 1.6 < 0.3, 0.0, 0.5), **SLIDE}),
     ("settling_time_s", SETTLED, {"theta": RISE, **STEP}),
     ("settling_time_s", SETTLED, {"theta": RISE + 0.1 * (TIME > 13.0005)[:, None], "push": PUSH, **STEP}),
     ("settling_time_s", 10.0, {"push": PUSH, **STEP}),
@@ -128,6 +145,12 @@ CLOSED_FORM: list[tuple[str, float, dict[str, Any]]] = [
     ("estimate_lag_ms", -300.0, {"tau_f": friction(), "tau_f_hat": friction(-0.3) + 1.0}),
     ("observer_work_in_stiction_j", -0.5 * 0.1 * 3.0, observer(-2.0, 3.0)),
     ("observer_work_in_stiction_j", 0.5 * 0.1 * 2.0, observer(-2.0, -3.0)),
+    ("over_compensation_ratio", 0.0, rowing(0.0)),
+    ("over_compensation_ratio", 0.0, rowing(1.0)),
+    ("over_compensation_ratio", 0.5, rowing(1.5)),
+    ("over_compensation_ratio", 0.0, rowing(-1.0)),
+    ("over_compensation_ratio", 0.3 / 1.2, {"theta": TIME, "tau_f": [-1.0, -0.2], "tau_f_hat": [-1.2, -0.3]}),
+    ("over_compensation_ratio", 0.5, {"theta": TIME, "tau_f": [-1.0, 3.0], "tau_f_hat": [-0.5, -0.5]}),
     ("passivity_index_j", -0.2, {"q_dot": columns(0.1 - 0.4 * (TIME - 1.0), 7.0), **PUSHED}),
     ("passivity_index_j", 0.0, {"q_dot": 0.3, "push": replace(PUSH, time=0.0), "tau_ext": 2.0}),
     ("control_effort_ratio", 0.5, {"tau_m": columns(FLIP, 3 * FLIP), "torque_limit": np.array([2.0, 10.0])}),
@@ -145,6 +168,9 @@ DOES_NOT_APPLY: list[tuple[str, dict[str, Any]]] = [
     ("limit_cycle_amplitude_ju", {"limit_cycle_window": (10.0, 20.001)}),
     ("limit_cycle_period_s", {"theta": 0.9e-5 * np.sin(TIME), **WINDOW}),
     ("limit_cycle_period_s", {"theta": 1.0 * (TIME > 15.0), **WINDOW}),
+    ("stick_slip_count", WINDOW),
+    ("stick_slip_count", {"ideal": TIME}),
+    ("stick_slip_count", {"ideal": TIME, "limit_cycle_window": (10.0, 20.001)}),
     ("settling_time_s", {"step_time": 3.0}),
     ("settling_time_s", {"step_time": 20.0, "theta_d": 1.0}),
     ("overshoot_percent", {"step_time": 3.0}),
@@ -157,6 +183,7 @@ DOES_NOT_APPLY: list[tuple[str, dict[str, Any]]] = [
     ("estimate_lag_ms", {"tau_f": friction(), "tau_f_hat": friction(0.7)}),
     ("estimate_lag_ms", {"tau_f": PERIODS, "tau_f_hat": PERIODS - 0.1}),
     ("observer_work_in_stiction_j", {"theta_dot": 2e-4, "tau_f_hat": 1.0}),
+    ("over_compensation_ratio", {"theta": TIME, "tau_f": 2.0, "tau_f_hat": -1.0}),
     ("passivity_index_j", {"push": replace(PUSH, time=20.0)}),
 ]
 

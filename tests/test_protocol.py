@@ -10,6 +10,8 @@ from tables import SIX, SQUARE, STICTION
 
 from fo_gym import ENVIRONMENTS
 from fo_gym.evaluation.protocol import Protocol, load_protocol, shipped_protocols
+from fo_gym.evaluation.run import competitors_of
+from fo_gym.tasks.task import VARIANTS
 
 SMALL = Protocol("small", "validation", 2, (SQUARE,), ("nominal", "randomized"), ("pid-low", "pd-low"))
 TOML = """
@@ -26,12 +28,19 @@ def test_shipped_protocols() -> None:
     assert set(shipped_protocols()) == {"full", "quick"}
     full, quick = load_protocol("full"), load_protocol("quick")
     assert full.environments == ENVIRONMENTS
-    assert (full.split, full.seeds, full.variants) == ("leaderboard", 20, ("nominal", "randomized"))
+    assert (full.split, full.seeds, full.variants) == ("leaderboard", 20, VARIANTS)
     assert set(SIX) <= set(full.compensators)
-    assert replace(full, name="quick", seeds=2) == quick
+    assert set(quick.compensators) < set(full.compensators)
+    assert replace(full, name="quick", seeds=2, compensators=quick.compensators) == quick
     assert full.seeds_of("randomized") == tuple(range(2_000_000_000, 2_000_000_020))
     assert full.seeds_of("nominal") == (2_000_000_000,)
     assert SMALL.seeds_of("randomized") == (1_000_000_000, 1_000_000_001)
+
+
+@pytest.mark.parametrize("name", shipped_protocols())
+def test_everybody_in_a_shipped_protocol_exists(name: str) -> None:
+    competitors = competitors_of(load_protocol(name))
+    assert [each.name for each in competitors if not each.content.files] == []
 
 
 def test_a_file_is_read(tmp_path: Path) -> None:

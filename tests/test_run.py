@@ -116,7 +116,19 @@ def test_a_failing_competitor_fails_alone(results: Results) -> None:
 def test_scores_are_those_of_evaluate(results: Results) -> None:
     alone = fo_gym.evaluate("pid-high", SQUARE, variant="randomized", seeds=LEADERBOARD_SEEDS[1:2])
     here = results.episodes[results.episodes["compensator"] == "pid-high"].tail(1).reset_index(drop=True)
-    pd.testing.assert_frame_equal(alone.drop(columns="protocol"), here.drop(columns="protocol"), check_exact=True)
+    labels = ["protocol", "origin"]
+    pd.testing.assert_frame_equal(alone.drop(columns=labels), here.drop(columns=labels), check_exact=True)
+
+
+def test_every_row_says_where_its_competitor_is_from(results: Results) -> None:
+    told = results.episodes.groupby("compensator", sort=False)[["origin", "competitor_hash"]].agg(set)
+    assert [origin for (origin,) in told["origin"]] == ["reference"] * 2 + ["baseline"] * 4
+    hashes = [content for (content,) in told["competitor_hash"]]
+    assert hashes[:2] == ["", ""]
+    assert hashes[ORDER.index("nobody")] == ""
+    others = [content for content in hashes if content]
+    assert len(set(others)) == 3
+    assert all(re.fullmatch("[0-9a-f]{16}", content) for content in others)
 
 
 def test_the_references_are_the_ends_of_the_scale(results: Results) -> None:

@@ -1,4 +1,4 @@
-"""Interquartile mean, bootstrap interval, paired difference: known answers, coverage, and where chance comes from."""
+"""Means, intervals, differences, ranks and groups: known answers, coverage, and where chance comes from."""
 
 from __future__ import annotations
 
@@ -12,7 +12,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import trim_mean
 
-from fo_gym.evaluation.statistics import bootstrap_interval, interquartile_mean, paired_difference, tied
+from fo_gym.evaluation.statistics import (
+    bootstrap_interval,
+    interquartile_mean,
+    paired_difference,
+    rank_intervals,
+    stratified_difference,
+    stratified_interval,
+    stratified_mean,
+    tied,
+    tied_groups,
+)
 
 SAMPLES = st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=30)
 
@@ -84,6 +94,11 @@ def test_more_resamples_agree_better() -> None:
     assert spread(2000) < 0.5 * spread(50)
 
 
+def binomial_tolerance(level: float, repeats: int) -> float:
+    """Three standard errors of a share, and 0.01 that the percentile method misses with 20 seeds."""
+    return 3 * math.sqrt(level * (1 - level) / repeats) + 0.01
+
+
 DRAWS: dict[str, tuple[Callable[[np.random.Generator], np.ndarray], float]] = {
     "normal": (lambda source: source.normal(size=20), 0.0),
     "exponential": (
@@ -101,8 +116,7 @@ def test_intervals_cover_at_about_their_stated_rate(name: str, level: float) -> 
     repeats = 1000
     intervals = [bootstrap_interval(draw(source), source, level, resamples=300) for _ in range(repeats)]
     covered = np.mean([low <= truth <= high for low, high in intervals])
-    error = math.sqrt(level * (1 - level) / repeats)
-    assert abs(covered - level) < 3 * error + 0.01  # 0.01: what the percentile method misses with 20 seeds
+    assert abs(covered - level) < binomial_tolerance(level, repeats)
 
 
 def test_the_seed_and_only_the_generator_decides() -> None:
@@ -185,3 +199,98 @@ def test_tied(low: float, high: float, expected: bool) -> None:
 
 def test_no_interval_is_no_tie() -> None:
     assert tied(math.nan, math.nan) is False
+
+
+def test_strata_count_the_same_whatever_their_size() -> None:
+    strata = [[1.0, 1.0, 1.0, 1.0], [4.0], [math.nan, 7.0]]
+    assert stratified_mean(strata) == pytest.approx(4.0)
+    assert stratified_interval(strata, rng()) == (stratified_mean(strata),) * 2
+    assert math.isnan(stratified_mean([[1.0], [math.nan]]))
+    assert np.isnan(stratified_interval([[1.0], []], rng())).all()
+
+
+def test_seeds_stay_in_their_stratum() -> None:
+    """Strata far apart do not widen the interval; one of a single seed does not move."""
+    values = rng().normal(size=20)
+    alone = bootstrap_interval(values, rng(1))
+    low, high = stratified_interval([values, [1000.0]], rng(1))
+    assert (2 * low - 1000.0, 2 * high - 1000.0) == pytest.approx(alone, abs=0.05)
+
+
+def test_stratified_intervals_cover_at_about_their_stated_rate() -> None:
+    source, level, repeats = rng(2), 0.95, 1000
+    truth = (DRAWS["normal"][1] + 5.0 + DRAWS["exponential"][1]) / 2
+    covered = 0
+    for _ in range(repeats):
+        strata = [DRAWS["normal"][0](source) + 5.0, DRAWS["exponential"][0](source)]
+        low, high = stratified_interval(strata, source, level, resamples=300)
+        covered += low <= truth <= high
+    assert abs(covered / repeats - level) < binomial_tolerance(level, repeats)
+
+
+def test_equal_competitors_are_tied_at_about_the_stated_rate() -> None:
+    source, repeats = rng(3), 1000
+    same = 0
+    for _ in range(repeats):
+        hard = source.normal(size=(2, 20))
+        one, other = (list(hard + 0.1 * source.normal(size=hard.shape)) for _ in range(2))
+        _, low, high = stratified_difference(one, other, source)
+        same += tied(low, high)
+    assert abs(same / repeats - 0.95) < binomial_tolerance(0.95, repeats)
+
+
+def test_rank_intervals_hold_the_true_rank_at_least_at_the_stated_rate() -> None:
+    source, repeats = rng(4), 500
+    strengths, truth = np.array([0.6, 0.3, 0.28, 0.0]), np.array([1, 2, 3, 4])
+    held, widths = np.zeros(4), np.zeros(4)
+    for _ in range(repeats):
+        hard = source.normal(size=(20, 1))
+        ranks = rank_intervals([hard + strengths + 0.15 * source.exponential(size=(20, 4))], source, resamples=300)
+        held += (ranks[:, 0] <= truth) & (truth <= ranks[:, 1])
+        widths += ranks[:, 1] - ranks[:, 0]
+    assert (held / repeats > 0.95 - binomial_tolerance(0.95, repeats)).all()
+    # Who is far from the others has one rank, the close two have both.
+    assert (widths / repeats)[[0, 3]].max() < 0.1
+    assert (widths / repeats)[[1, 2]].min() > 0.5
+
+
+def test_ranks_where_the_answer_is_known() -> None:
+    strata = [np.array([[3.0, 1.0, 2.0, 1.0]]), np.array([[3.0, 1.0, 2.0, 1.0], [math.nan, 9.0, 9.0, 9.0]])]
+    assert rank_intervals(strata, rng()).tolist() == [[1, 1], [3, 3], [2, 2], [3, 3]]
+    assert rank_intervals([np.array([[math.nan, 1.0]])], rng()).tolist() == [[1, 2], [1, 2]]
+
+
+def test_ranks_compare_seed_by_seed() -> None:
+    """A steady distance decides, although it drowns in the spread between the episodes."""
+    hard = rng().normal(size=(20, 1))
+    assert rank_intervals([hard + np.array([0.0, 0.01])], rng()).tolist() == [[2, 2], [1, 1]]
+
+
+GROUPS = [
+    ([], ["a", "a", "a", "a"]),
+    ([(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)], ["a", "b", "c", "d"]),
+    ([(0, 2), (0, 3), (1, 3)], ["a", "ab", "bc", "c"]),
+    ([(0, 1), (0, 2), (0, 3)], ["a", "b", "b", "b"]),
+    ([(1, 2)], ["ab", "a", "b", "ab"]),
+]
+
+
+@pytest.mark.parametrize(("apart", "letters"), GROUPS)
+def test_tied_groups(apart: list[tuple[int, int]], letters: list[str]) -> None:
+    ties = np.ones((4, 4), dtype=bool)
+    for i, j in apart:
+        ties[i, j] = ties[j, i] = False
+    assert tied_groups(ties) == letters
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_those_who_share_a_letter_are_those_who_are_tied(seed: int) -> None:
+    ties = rng(seed).random((8, 8)) < 0.6
+    ties = ties | ties.T | np.eye(8, dtype=bool)
+    groups = [set(letters) for letters in tied_groups(ties)]
+    assert np.array_equal([[bool(one & other) for other in groups] for one in groups], ties)
+
+
+def test_differences_need_the_same_strata() -> None:
+    with pytest.raises(ValueError, match="shorter"):
+        stratified_difference([[1.0], [2.0]], [[1.0]], rng())

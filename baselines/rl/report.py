@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import asdict
 from importlib.metadata import version
@@ -44,9 +45,14 @@ def card(plan: Plan, row: Mapping[str, Any]) -> dict[str, Any]:
         "course": asdict(course_of(plan.env_id)),
         "reward": REWARD,
         "segment": int(row["segment"]),
-        "validation": {name: float(f"{value:.6g}") for name, value in row.items() if name != "segment"},
+        "validation": {name: _six_digits(value) for name, value in row.items() if name != "segment"},
         "versions": {name: version(name) for name in _PACKAGES},
     }
+
+
+def _six_digits(value: float) -> float | None:
+    """As in the tables; None for what does not apply, since JSON has no NaN."""
+    return None if math.isnan(value) else float(f"{value:.6g}")
 
 
 def curve_figure(curves: Mapping[str, pd.DataFrame]) -> Figure:
@@ -80,6 +86,10 @@ def write_report(plan: Plan, out: Path) -> list[Path]:
     return [out / name for name in (POLICY, "curve.csv", "curve.png", *written)]
 
 
+def _shown(value: float | None) -> str:
+    return "does not apply" if value is None else f"{value:.2g}"
+
+
 def _page(card: Mapping[str, Any]) -> str:
     """The card as a page."""
     plan, scores = card["plan"], card["validation"]
@@ -94,7 +104,7 @@ def _page(card: Mapping[str, Any]) -> str:
         f"* Best of {plan['segments']} segments: number {card['segment']}, after {scores['actions']:.0f} actions. Best "
         f"means the largest mean FRR on {plan['validation_seeds']} validation seeds of the same environment.",
         f"* There: mean FRR {scores['frr_mean']:.4f}, worst {scores['frr_worst']:.4f}, median error at rest "
-        f"{scores['rest_error_ju']:.2g}, median limit cycle {scores['limit_cycle_ju']:.2g} (joint units).",
+        f"{_shown(scores['rest_error_ju'])}, median limit cycle {_shown(scores['limit_cycle_ju'])} (joint units).",
         f"* Reward: {card['reward']}.",
         "* Versions: " + ", ".join(f"{name} {number}" for name, number in card["versions"].items()) + ".",
         "",

@@ -22,6 +22,7 @@ TRACED = ("pid-high", "rl-residual", "rl-direct")
 EPISODE = 1_000_000_003
 """A validation seed: the episode that is drawn."""
 
+TICKS = (0.25, 0.5, 1.0, 2.0, 4.0)
 NAMES = {
     "friction": "friction f_c, f_s",
     "stribeck": "Stribeck velocity v_s",
@@ -36,15 +37,16 @@ def curves() -> Figure:
     """Learning curves of every training that was kept."""
     named = {f"{folder.name}, seed 0": pd.read_csv(folder / "curve.csv") for folder in sorted(SHIPPED.iterdir())}
     for file in sorted(HERE.glob("curve-*.csv")):
-        named[file.stem.removeprefix("curve-").replace("_", ", ")] = pd.read_csv(file)
+        named[file.stem.removeprefix("curve-").replace("_seed_", ", seed ")] = pd.read_csv(file)
     return curve_figure(named)
 
 
 def traces() -> Figure:
     """Distance from the friction-free motion in one randomized episode: the link, and joint 2 of the arm."""
     figure = Figure(figsize=(7.2, 5.0), layout="constrained")
+    axes = figure.subplots(2, 1, sharex=True)
     panels = (("FJRStiction-v0", 0, 1e3, "mm"), ("FJRRegulation-v0", 1, 1e3, "mrad"))
-    for axis, (env_id, joint, factor, unit) in zip(figure.subplots(2, 1, sharex=True), panels, strict=True):
+    for axis, (env_id, joint, factor, unit) in zip(axes, panels, strict=True):
         episodes = EpisodeSet(env_id, "randomized", (EPISODE,), {})
         ideal = episodes.record(Ideal(), "ideal").motions.theta[:, 0, joint]
         for name in TRACED:
@@ -53,8 +55,8 @@ def traces() -> Figure:
         axis.set_title(f"{env_id}, randomized, joint {joint + 1}", fontsize="medium")
         axis.set_ylabel(f"theta - theta_ideal [{unit}]")
         axis.grid(alpha=0.3)
-    axis.set_xlabel("time [s]")
-    axis.legend(loc="upper right", ncols=len(TRACED))
+    axes[1].set_xlabel("time [s]")
+    axes[0].legend(loc="upper right")
     return figure
 
 
@@ -70,6 +72,8 @@ def sweeps() -> Figure:
         for name, rows in table[table["parameter"] == parameter].sort_values("factor").groupby("compensator"):
             axis.loglog(rows["factor"], rows["residual_mean"], "o-", ms=3, color=COLOURS[str(name)], label=str(name))
         axis.set_xlim(table["factor"].min() / 1.1, table["factor"].max() * 1.1)
+        axis.set_xticks(TICKS, [f"{tick:g}" for tick in TICKS])
+        axis.set_xticks([], minor=True)
         axis.set_xlabel(f"factor on {label}")
         axis.grid(alpha=0.3, which="both")
     for axis in figure.axes[::3]:

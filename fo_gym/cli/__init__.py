@@ -1,4 +1,4 @@
-"""The command line: `fo-gym list | evaluate | leaderboard | reproduce | bench`, and what plug-ins add to it."""
+"""The command line `fo-gym`: its own commands, and what plug-ins add to them."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ import typer
 from fo_gym.cli.bench import run_bench
 from fo_gym.cli.reproduce import run_reproduce
 from fo_gym.cli.scores import evaluate, list_everything, run_leaderboard
+from fo_gym.cli.tune import run_tune
+from fo_gym.cli.verify import run_verify
 from fo_gym.console import errors
 
 GROUP = "fo_gym.commands"
@@ -25,8 +27,10 @@ _OWN: dict[str, Callable[..., None]] = {
     "list": list_everything,
     "evaluate": evaluate,
     "leaderboard": run_leaderboard,
+    "verify": run_verify,
     "reproduce": run_reproduce,
     "bench": run_bench,
+    "tune": run_tune,
 }
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -10,31 +11,64 @@ from rich.markup import escape
 from rich.table import Table
 
 import fo_gym
-from fo_gym.compensators import BUILT_IN
-from fo_gym.console import Stop, check_jobs, console, progress_bar, tell_written
+from fo_gym.cli.work import (
+    Address,
+    Fresh,
+    Jobs,
+    StoreFolder,
+    Submissions,
+    Workers,
+    check_workers,
+    note,
+    submissions_of,
+    working,
+)
+from fo_gym.console import Stop, console, tell_written
+from fo_gym.evaluation.backends import Name
+from fo_gym.evaluation.competitor import Competitor
+from fo_gym.evaluation.entry import competitor_of, shipped_entries
 from fo_gym.evaluation.evaluate import FAILED
 from fo_gym.evaluation.leaderboard import leaderboard
 from fo_gym.evaluation.metrics import METRICS
 from fo_gym.evaluation.protocol import Protocol, load_protocol, shipped_protocols
 from fo_gym.evaluation.report import write_results
-from fo_gym.evaluation.run import Results, run_protocol
-from fo_gym.evaluation.tables import rankings, summary
+from fo_gym.evaluation.run import Results, competitors_of, run_protocol
+from fo_gym.evaluation.sections import apart, ours
+from fo_gym.evaluation.store import Store
+from fo_gym.evaluation.tables import Ranking, rankings, summary
+from fo_gym.tasks.task import VARIANTS
 
-__all__ = ["evaluate", "list_everything", "run_leaderboard"]
+BESIDE = ("pid-low", "pid-high", "pd-low", "pd-high", "letien-low", "letien-high")
+"""Whom `fo-gym evaluate` runs beside what it is given: the observers of arXiv:1907.00553."""
+
+__all__ = ["BESIDE", "evaluate", "list_everything", "run_leaderboard"]
 
 
-def _run(protocol: Protocol, jobs: int) -> Results:
+def _run(
+    protocol: Protocol,
+    jobs: int,
+    *,
+    submissions: Sequence[Competitor] = (),
+    backend: Name = "joblib",
+    address: str | None = None,
+    store: Store | None = None,
+) -> Results:
     """Run a protocol behind a progress bar."""
-    check_jobs(jobs)
-    names = [name for name in protocol.compensators if name not in BUILT_IN]
-    with progress_bar(len(protocol.environments) * len(protocol.variants) * (1 + len(names))) as advance:
-        return run_protocol(protocol, jobs=jobs, on_run=lambda label: advance(label, 1))
+    check_workers(jobs, backend, address)
+    try:
+        names = competitors_of(protocol, submissions)
+    except ValueError as error:
+        raise Stop(str(error)) from error
+    runs = len(protocol.environments) * len(protocol.variants) * (1 + len(names))
+    kept = f"; finished runs are kept in {store.folder}, the same command goes on with them" if store else ""
+    with working(backend, jobs, address, runs, kept) as (workers, told):
+        results = run_protocol(protocol, submissions=submissions, backend=workers, store=store, on_run=told)
+    if store:
+        note(f"{results.stored} of {results.runs} runs were taken from {store.folder}")
+    return results
 
 
-def _print_rankings(results: Results) -> None:
-    tables = list(rankings(results.episodes))
-    if len(tables) > 1:
-        tables.append(summary(leaderboard(results.episodes)))
+def _print(tables: Iterable[Ranking]) -> None:
     for ranking in tables:
         view = Table(title=ranking.title)
         for heading in ranking.headings:
@@ -43,6 +77,17 @@ def _print_rankings(results: Results) -> None:
         for row in ranking.cells:
             view.add_row(*map(escape, row))
         console.print(view)
+
+
+def _print_rankings(results: Results) -> None:
+    episodes = ours(results.episodes)
+    tables = list(rankings(episodes))
+    if len(tables) > 1:
+        tables.append(summary(leaderboard(episodes)))
+    _print(tables)
+    if len(episodes) < len(results.episodes):
+        theirs = apart(results.episodes, leaderboard(results.episodes))
+        _print(ranking._replace(title=f"Submissions: {ranking.title}") for ranking in theirs)
 
 
 def list_everything() -> None:
@@ -57,21 +102,25 @@ def list_everything() -> None:
     for name, metric in METRICS.items():
         text = f"metric       {name} ({metric.better} is better): {metric.description}"
         console.print(text, highlight=False, markup=False, soft_wrap=True)
-    for name, path in shipped_protocols().items():
-        console.print(f"protocol     {name}: {path}", highlight=False, soft_wrap=True)
+    for kind, files in (("entry", shipped_entries()), ("protocol", shipped_protocols())):
+        for name, path in files.items():
+            console.print(f"{kind:<12} {name}: {path}", highlight=False, markup=False, soft_wrap=True)
 
 
 def evaluate(
     compensators: Annotated[
-        list[str], typer.Argument(metavar="COMPENSATOR...", help="Registered name, module:Class or file.py:Class.")
+        list[str],
+        typer.Argument(
+            metavar="COMPENSATOR...", help="Registered name, module:Class, file.py:Class, or entry (*.toml)."
+        ),
     ],
     env: Annotated[str, typer.Option(help="Environment id; see `fo-gym list`.")] = "FJRStiction-v0",
-    variant: Annotated[str, typer.Option(help="nominal (one episode) or randomized.")] = "nominal",
+    variant: Annotated[str, typer.Option(help=f"{', '.join(VARIANTS)}; nominal is one episode.")] = "nominal",
     seeds: Annotated[int, typer.Option(min=1, help="Episodes, from the validation seeds.")] = 20,
     out: Annotated[
         Path | None, typer.Option(file_okay=False, help="Folder for the CSV files, page and figures.")
     ] = None,
-    jobs: Annotated[int, typer.Option(help="Worker processes; -1 = one per core.")] = -1,
+    jobs: Jobs = -1,
 ) -> None:
     """Score compensators beside none, ideal and the paper's observers, on validation seeds.
 
@@ -79,11 +128,15 @@ def evaluate(
         fo-gym evaluate my.py:Mine --env FJRStiction-v0
 
         fo-gym evaluate pid-high --env FJRSquare-v0 --variant randomized --seeds 5 --out build/mine
+
+        fo-gym evaluate leaderboard/submissions/theirs.toml
     """
     try:
-        for name in compensators:
-            fo_gym.make_compensator(name)
-        others = [name for name in load_protocol("full").compensators if name not in compensators]
+        given = [competitor_of(name) for name in compensators]
+        for competitor in given:
+            competitor.make(env, variant)
+        names = {competitor.name for competitor in given}
+        others = [name for name in BESIDE if name not in names]
         protocol = Protocol("evaluate", "validation", seeds, (env,), (variant,), (*compensators, *others))
     except (ValueError, TypeError, fo_gym.CompensatorError) as error:
         raise Stop(str(error)) from error
@@ -91,13 +144,13 @@ def evaluate(
     _print_rankings(results)
     if out is not None:
         tell_written(write_results(protocol, results, out))
-    _fail_if_failed(results, compensators)
+    _fail_if_failed(results, names)
 
 
-def _fail_if_failed(results: Results, compensators: list[str]) -> None:
+def _fail_if_failed(results: Results, compensators: Iterable[str]) -> None:
     """A compensator that the user asked for and that failed makes the command fail, after its row was shown."""
     episodes = results.episodes
-    failed = episodes[(episodes["status"] == FAILED) & episodes["compensator"].isin(compensators)]
+    failed = episodes[(episodes["status"] == FAILED) & episodes["compensator"].isin(list(compensators))]
     if len(failed):
         raise Stop(str(failed["error"].iloc[0]))
 
@@ -109,9 +162,17 @@ def run_leaderboard(
         Path | None,
         typer.Option(file_okay=False, help="Folder for the results; leaderboard, or build/quick with --quick."),
     ] = None,
-    jobs: Annotated[int, typer.Option(help="Worker processes; -1 = one per core.")] = -1,
+    submissions: Submissions = None,
+    jobs: Jobs = -1,
+    backend: Workers = "joblib",
+    address: Address = None,
+    store: StoreFolder = Path("build/store"),
+    fresh: Fresh = False,
 ) -> None:
     """Score every competitor on the same episodes and write leaderboard.csv, episodes.csv, a page and figures.
+
+    What was computed before and has not changed since (code, weights, gains, versions, episodes) is taken from the
+    store: an interrupted run goes on, and a new competitor is computed alone. Failed runs are tried again.
 
     Examples:
         fo-gym leaderboard
@@ -119,6 +180,8 @@ def run_leaderboard(
         fo-gym leaderboard --quick
 
         fo-gym leaderboard --protocol my_protocol.toml --out build/mine --jobs 2
+
+        fo-gym leaderboard --backend ray --address 10.0.0.1:6379
     """
     if quick and protocol is not None:
         raise Stop("--quick and --protocol exclude each other; give one of them")
@@ -126,7 +189,15 @@ def run_leaderboard(
         chosen = load_protocol(protocol or ("quick" if quick else "full"))
     except ValueError as error:
         raise Stop(str(error)) from error
-    results = _run(chosen, jobs)
+    folder = out or Path("build/quick" if quick else "leaderboard")
+    results = _run(
+        chosen,
+        jobs,
+        submissions=submissions_of(submissions, folder),
+        backend=backend,
+        address=address,
+        store=Store(store, fresh=fresh, notice=note),
+    )
     _print_rankings(results)
-    tell_written(write_results(chosen, results, out or Path("build/quick" if quick else "leaderboard")))
-    _fail_if_failed(results, list(chosen.compensators))
+    tell_written(write_results(chosen, results, folder))
+    _fail_if_failed(results, (competitor.name for competitor in results.competitors))

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from fo_gym.compensators import Compensator, Ideal, NoCompensation, checked, make_compensator
+from fo_gym.compensators import Compensator, Ideal, NoCompensation, checked
+from fo_gym.evaluation.entry import competitor_of
 from fo_gym.evaluation.metrics import METRICS, score
 from fo_gym.evaluation.provenance import provenance
 from fo_gym.evaluation.recording import Recording, References, record
@@ -17,7 +18,7 @@ from fo_gym.evaluation.seeds import VALIDATION_SEEDS, first
 
 OK, TERMINATED, FAILED = "ok", "terminated", "failed"
 
-__all__ = ["FAILED", "OK", "TERMINATED", "EpisodeSet", "evaluate", "failed_rows", "named_compensator", "rows"]
+__all__ = ["FAILED", "OK", "TERMINATED", "EpisodeSet", "evaluate", "failed_rows", "references_of", "rows"]
 
 
 @dataclass(frozen=True)
@@ -41,19 +42,15 @@ class EpisodeSet:
         return record(compensator, name, self.env_id, self.variant, self.seeds, self.env_kwargs)
 
 
-def named_compensator(compensator: str | type | Compensator) -> tuple[str, Compensator]:
-    """Name and instance of what a user may hand over: a name, a spec, a class or an instance."""
-    if isinstance(compensator, str):
-        return compensator, make_compensator(compensator)
-    if isinstance(compensator, type):
-        return compensator.__name__, checked(compensator(), compensator.__name__)
-    return type(compensator).__name__, checked(compensator, type(compensator).__name__)
+def references_of(episodes: EpisodeSet) -> tuple[Recording, Recording]:
+    """The two runs that every score of these episodes is relative to: `none`, then `ideal`."""
+    return episodes.record(NoCompensation(), "none"), episodes.record(Ideal(), "ideal")
 
 
 def rows(
     episodes: EpisodeSet, name: str, recording: Recording, references: References, protocol: str = ""
 ) -> pd.DataFrame:
-    """The scores of a recording, one row per episode."""
+    """The scores of a recording, one row per episode; `origin` and `competitor_hash` are "" in it."""
     table = []
     for i, seed in enumerate(episodes.seeds):
         episode = recording.episode(i, references)
@@ -106,9 +103,9 @@ def evaluate(
     """Score a compensator, beside the friction-free and the uncompensated run of the same episodes.
 
     Args:
-        compensator: a registered name, "module:Class", "file.py:Class", a class or an instance.
+        compensator: a registered name, "module:Class", "file.py:Class", an entry (*.toml), a class or an instance.
         env_id: a registered environment, such as "FJRStiction-v0".
-        variant: "nominal" (one episode) or "randomized".
+        variant: variant of it; "nominal" is one episode.
         seeds: how many validation seeds, or the seeds themselves.
         env_kwargs: further arguments of the environment.
 
@@ -123,9 +120,19 @@ def evaluate(
     for fixed, why in (("feedback", "it is the compensator's"), ("action_mode", "estimates are scored")):
         if fixed in env_kwargs:
             raise ValueError(f"{fixed} cannot be chosen in an evaluation: {why}; leave it out")
-    name, instance = named_compensator(compensator)
+    name, instance, content = _named(compensator, env_id, variant)
     episodes = EpisodeSet(env_id, variant, evaluation_seeds(variant, seeds), env_kwargs)
-    ideal = episodes.record(Ideal(), "ideal")
-    none = episodes.record(NoCompensation(), "none")
+    none, ideal = references_of(episodes)
     references = References(ideal.motions, none.motions)
-    return rows(episodes, name, episodes.record(instance, name), references)
+    table = rows(episodes, name, episodes.record(instance, name), references)
+    return table.assign(competitor_hash=content)
+
+
+def _named(compensator: str | type | Compensator, env_id: str, variant: str) -> tuple[str, Compensator, str]:
+    """Name, instance and hash of what a user may hand over: a name, a spec, an entry, a class or an instance."""
+    if isinstance(compensator, str):
+        competitor = competitor_of(compensator)
+        return competitor.name, competitor.make(env_id, variant), competitor.hash_on(env_id, variant)
+    name = compensator.__name__ if isinstance(compensator, type) else type(compensator).__name__
+    instance = compensator() if isinstance(compensator, type) else compensator
+    return name, checked(instance, name), ""

@@ -28,9 +28,12 @@ _STYLE: dict[str, dict[str, Any]] = {
 __all__ = ["figures", "ranking_figure", "trace_figure"]
 
 
-def ranking_figure(episodes: pd.DataFrame) -> Figure:
-    """FRR of every competitor with its interval, a panel per environment and variant."""
-    table = leaderboard(episodes)
+def ranking_figure(table: pd.DataFrame) -> Figure:
+    """FRR of every competitor with its interval, a panel per environment and variant.
+
+    Args:
+        table: rows as `leaderboard` gives them.
+    """
     table = table[~table["compensator"].isin(BUILT_IN)]
     envs, variants = table["env"].unique(), table["variant"].unique()
     figure = Figure(figsize=(3.4 * len(envs), 2.4 * len(variants)), layout="constrained")
@@ -101,9 +104,18 @@ def _draw_paths(left: Axes, right: Axes, traces: list[Trace]) -> None:
     right.set_ylabel("distance of the tool from its reference [mm]")
 
 
-def figures(results: Results, folder: Path) -> list[Path]:
-    """Draw everything that the results hold into `folder`; returns the files."""
-    drawn = {"ranking": ranking_figure(results.episodes)}
+def figures(results: Results, folder: Path, table: pd.DataFrame | None = None) -> list[Path]:
+    """Draw everything that the results hold into `folder`.
+
+    Args:
+        results: what was run.
+        folder: where the files go.
+        table: `leaderboard` of the results' episodes, where it is at hand already.
+
+    Returns:
+        The files.
+    """
+    drawn = {"ranking": ranking_figure(leaderboard(results.episodes) if table is None else table)}
     for env in dict.fromkeys(trace.env for trace in results.traces):
         drawn[env] = trace_figure([trace for trace in results.traces if trace.env == env])
     paths = []

@@ -16,7 +16,12 @@ from fo_gym.tasks.task import VARIANTS
 
 SPLITS = {"leaderboard": LEADERBOARD_SEEDS, "validation": VALIDATION_SEEDS}
 
-__all__ = ["Protocol", "load_protocol", "shipped_protocols"]
+__all__ = ["Protocol", "known_environments", "load_protocol", "shipped_protocols"]
+
+
+def known_environments() -> tuple[str, ...]:
+    """The environments that can be scored: those of this package, by their registered ids."""
+    return tuple(env_id for env_id, spec in registry.items() if str(spec.entry_point).startswith("fo_gym."))
 
 
 @dataclass(frozen=True)
@@ -29,7 +34,8 @@ class Protocol:
         seeds: episodes of each variant with randomness; "nominal" has none and is one episode.
         environments: registered ids.
         variants: variants of each.
-        compensators: names, "module:Class" or "file.py:Class"; `none` and `ideal` run always.
+        compensators: registered names, "module:Class", "file.py:Class", or entries: the name of a shipped one, or
+            the path of a TOML file. `none` and `ideal` run always.
     """
 
     name: str
@@ -44,8 +50,10 @@ class Protocol:
             raise ValueError(f"protocol {self.name!r}: seeds is {self.seeds!r}; it must be a whole number")
         if self.split not in SPLITS:
             raise ValueError(f"protocol {self.name!r}: split is {self.split!r}; allowed are {', '.join(SPLITS)}")
-        known = [env_id for env_id, spec in registry.items() if str(spec.entry_point).startswith("fo_gym.")]
-        for what, values, allowed in (("environment", self.environments, known), ("variant", self.variants, VARIANTS)):
+        for what, values, allowed in (
+            ("environment", self.environments, known_environments()),
+            ("variant", self.variants, VARIANTS),
+        ):
             for value in values:
                 if value not in allowed:
                     raise ValueError(

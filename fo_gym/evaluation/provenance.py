@@ -8,7 +8,9 @@ from importlib.metadata import version
 
 PACKAGES = ("fo-gym", "gymnasium", "mujoco", "numba", "numpy", "scipy")
 
-__all__ = ["PACKAGES", "provenance", "versions"]
+_COLUMNS = ("origin", "competitor_hash", "protocol")
+
+__all__ = ["PACKAGES", "is_provenance", "provenance", "versions"]
 
 
 @lru_cache(maxsize=1)
@@ -18,6 +20,22 @@ def versions() -> dict[str, str]:
     return packages | {"version_python": platform.python_version()}
 
 
-def provenance(protocol: str) -> dict[str, str]:
-    """Columns `protocol` (name and hash of what was run, or "" outside a protocol) and `version_*`."""
-    return {"protocol": protocol, **versions()}
+def provenance(protocol: str = "", origin: str = "", competitor_hash: str = "") -> dict[str, str]:
+    """What a row says about how it came about.
+
+    Args:
+        protocol: name and hash of what was run, or "" outside a protocol.
+        origin: "baseline" (named by the protocol), "submission" (from the folder of submissions), "reference" (`none`
+            and `ideal`), or "" outside a protocol.
+        competitor_hash: of the competitor's source, weights and gains; "" for the references, and for a class or an
+            instance.
+
+    Returns:
+        Columns `origin`, `competitor_hash`, `protocol` and `version_*`.
+    """
+    return {"origin": origin, "competitor_hash": competitor_hash, "protocol": protocol, **versions()}
+
+
+def is_provenance(column: str) -> bool:
+    """Whether a column says how a row came about, not what came out."""
+    return column in _COLUMNS or column.startswith("version_")

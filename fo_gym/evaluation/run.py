@@ -2,36 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
 
-import numpy as np
 import pandas as pd
-from joblib import Parallel, delayed
-from joblib.externals.loky.process_executor import TerminatedWorkerError
-from numpy.typing import NDArray
 
-from fo_gym.compensators import BUILT_IN, Ideal, NoCompensation
-from fo_gym.evaluation.evaluate import EpisodeSet, failed_rows, named_compensator, rows
+from fo_gym.compensators import BUILT_IN
+from fo_gym.evaluation.backends import Backend, BackendError, Processes
+from fo_gym.evaluation.competitor import Competitor
+from fo_gym.evaluation.entry import check_names, competitor_of
+from fo_gym.evaluation.evaluate import EpisodeSet
 from fo_gym.evaluation.protocol import Protocol
-from fo_gym.evaluation.recording import Recording, References
-from fo_gym.evaluation.trace import Trace, trace_of
+from fo_gym.evaluation.recording import References
+from fo_gym.evaluation.store import Store
+from fo_gym.evaluation.trace import Trace
+from fo_gym.evaluation.trial import IDEAL, NONE, Trial, competitor_trial, failed_trial, reference_trials
 
-Array = NDArray[np.float64]
 OnRun = Callable[[str], None]
-_Pair = tuple[EpisodeSet, str, References]
+"""Called with a label after every run, `none` and `ideal` counted as one."""
 
-__all__ = ["Results", "run_protocol"]
+ENDED = "it ended the process that it ran in"
+"""The error of a competitor that takes its process down, as a crash in compiled code does."""
+
+__all__ = ["ENDED", "Contest", "Results", "competitors_of", "run_contests", "run_protocol"]
 
 
 @dataclass(frozen=True)
-class _Finished:
-    """What one run sends back."""
+class Contest:
+    """A set of episodes, and who meets them besides `none` and `ideal`."""
 
-    rows: pd.DataFrame
-    timing: Mapping[str, Any] | None
-    trace: Trace | None
+    episodes: EpisodeSet
+    competitors: tuple[Competitor, ...]
+
+    @property
+    def everybody(self) -> tuple[Competitor, ...]:
+        """The references first."""
+        return NONE, IDEAL, *self.competitors
 
 
 @dataclass(frozen=True)
@@ -40,111 +46,171 @@ class Results:
 
     Attributes:
         episodes: one row per episode, in the protocol's order.
-        timing: one row per run: time per call of `estimate`, for the whole batch.
+        timing: one row per run: time per call of `estimate`, for the whole batch, when it was computed.
         traces: the nominal episodes.
+        competitors: who took part, besides `none` and `ideal`.
+        runs: number of runs, `none` and `ideal` of a set counted as one.
+        stored: how many of them were taken from the store.
     """
 
     episodes: pd.DataFrame
     timing: pd.DataFrame
     traces: list[Trace]
+    competitors: tuple[Competitor, ...] = field(default=())
+    runs: int = 0
+    stored: int = 0
 
 
-def _timing(episodes: EpisodeSet, name: str, recording: Recording) -> dict[str, Any]:
-    """Median and 99th percentile of the time per control tick, for the whole batch."""
-    median, p99 = np.percentile(recording.seconds, [50, 99]) * 1e6
-    return {
-        "env": episodes.env_id,
-        "variant": episodes.variant,
-        "compensator": name,
-        "num_envs": len(episodes.seeds),
-        "estimate_median_us": round(float(median), 2),
-        "estimate_p99_us": round(float(p99), 2),
-    }
+def competitors_of(protocol: Protocol, submissions: Sequence[Competitor] = ()) -> tuple[Competitor, ...]:
+    """Who takes part besides `none` and `ideal`: those that the protocol names, then the submissions.
+
+    Raises:
+        ValueError: an entry is not allowed, or two have the same name.
+    """
+    named = tuple(competitor_of(name) for name in protocol.compensators if name not in BUILT_IN)
+    check_names((*named, *submissions))
+    return (*named, *submissions)
 
 
-def _finish(episodes: EpisodeSet, name: str, recording: Recording, references: References, stamp: str) -> _Finished:
-    table = rows(episodes, name, recording, references, stamp)
-    trace = trace_of(episodes.env_id, name, recording) if episodes.variant == "nominal" else None
-    return _Finished(table, _timing(episodes, name, recording), trace)
+class _Runner:
+    """The trials of some contests while they come in, by contest and place in it."""
+
+    def __init__(self, contests: Sequence[Contest], store: Store | None, announce: OnRun) -> None:
+        self.contests = contests
+        self.store = store
+        self.announce = announce
+        self.trials: dict[tuple[int, int], Trial] = {}
+        self.stored = 0
+
+    def take_stored(self) -> None:
+        """What need not be computed."""
+        for number, contest in enumerate(self.contests):
+            for place, competitor in enumerate(contest.everybody):
+                trial = self.store.load(contest.episodes, competitor) if self.store else None
+                if trial is not None:
+                    self.trials[number, place] = trial
+        for number, contest in enumerate(self.contests):
+            # The rows of the references may be there, but if anybody else's are not, their motions are needed.
+            references = () if self.missing(number) else (0,)
+            others = (place for place in range(2, len(contest.everybody)) if (number, place) in self.trials)
+            for place in (*references, *others):
+                self.stored += 1
+                self._tell(number, place, ", from the store")
+
+    def missing(self, number: int) -> list[int]:
+        """Places of a contest whose trials are not there."""
+        return [place for place in range(len(self.contests[number].everybody)) if (number, place) not in self.trials]
+
+    def _tell(self, number: int, place: int, how: str = "") -> None:
+        contest = self.contests[number]
+        who = "none, ideal" if place <= 1 else contest.everybody[place].name
+        self.announce(f"{contest.episodes.env_id} {contest.episodes.variant}: {who}{how}")
+
+    def _keep(self, number: int, place: int, trial: Trial) -> None:
+        contest = self.contests[number]
+        if (number, place) not in self.trials:
+            self.trials[number, place] = trial
+            if self.store:
+                self.store.save(contest.episodes, contest.everybody[place], trial)
+
+    def run_references(self, backend: Backend) -> dict[int, References]:
+        """`none` and `ideal` of every contest in which something is missing: the scores of all need them."""
+        needed = [number for number in range(len(self.contests)) if self.missing(number)]
+        found: dict[int, References] = {}
+        for place, result in backend.run(reference_trials, [(self.contests[n].episodes,) for n in needed]):
+            number = needed[place]
+            if result is None:
+                episodes = self.contests[number].episodes
+                raise BackendError(
+                    f"the process that ran none and ideal of {episodes.env_id}, {episodes.variant} was killed each "
+                    "time it was tried; is there enough memory? Use fewer --jobs"
+                )
+            found[number], *both = result
+            for reference, trial in enumerate(both):
+                self._keep(number, reference, trial)
+            self._tell(number, 0)
+        return found
+
+    def run_competitors(self, backend: Backend, references: dict[int, References]) -> None:
+        """Everybody else whose trial is missing."""
+        left = [(number, place) for number in references for place in self.missing(number)]
+        left.sort()
+        tasks = [(self.contests[n].episodes, self.contests[n].everybody[place], references[n]) for n, place in left]
+        for task, result in backend.run(competitor_trial, tasks):
+            trial = failed_trial(*tasks[task][:2], ENDED) if result is None else result
+            self._keep(*left[task], trial)
+            self._tell(*left[task])
+
+    def labelled(self, protocol: str) -> Iterator[Trial]:
+        """All trials in order, under the names of this run."""
+        for number, contest in enumerate(self.contests):
+            for place, competitor in enumerate(contest.everybody):
+                yield self.trials[number, place].labelled(contest.episodes, competitor, protocol)
 
 
-def _run_references(episodes: EpisodeSet, stamp: str) -> tuple[References, list[_Finished]]:
-    """`none` and `ideal` on one set of episodes: computed once, for all competitors."""
-    none = episodes.record(NoCompensation(), "none")
-    ideal = episodes.record(Ideal(), "ideal")
-    references = References(ideal.motions, none.motions)
-    return references, [
-        _finish(episodes, "none", none, references, stamp),
-        _finish(episodes, "ideal", ideal, references, stamp),
-    ]
+def run_contests(
+    contests: Sequence[Contest],
+    protocol: str,
+    *,
+    backend: Backend,
+    store: Store | None = None,
+    on_run: OnRun | None = None,
+) -> Results:
+    """Run some sets of episodes; see `run_protocol`.
+
+    Args:
+        contests: what is run.
+        protocol: what the rows say they belong to.
+        backend: who does the work.
+        store: what was computed before is taken from there, what is computed now is kept there.
+        on_run: who is told.
+    """
+    runner = _Runner(contests, store, on_run or _silence)
+    runner.take_stored()
+    if any(runner.missing(number) for number in range(len(contests))):
+        runner.run_competitors(backend, runner.run_references(backend))
+    trials = list(runner.labelled(protocol))
+    everybody = (competitor for contest in contests for competitor in contest.competitors)
+    return Results(
+        episodes=pd.concat([trial.rows for trial in trials], ignore_index=True),
+        timing=pd.DataFrame([trial.timing for trial in trials if trial.timing is not None]),
+        traces=[trial.trace for trial in trials if trial.trace is not None],
+        competitors=tuple({competitor.name: competitor for competitor in everybody}.values()),
+        runs=sum(1 + len(contest.competitors) for contest in contests),
+        stored=runner.stored,
+    )
 
 
-def _run_competitor(episodes: EpisodeSet, name: str, references: References, stamp: str) -> _Finished:
-    """One competitor on one set of episodes. Whatever goes wrong in it becomes its failed rows."""
-    try:
-        _, compensator = named_compensator(name)
-        recording = episodes.record(compensator, name)
-    except (Exception, SystemExit) as error:
-        return _failed(episodes, name, f"{type(error).__name__}: {error}", stamp)
-    return _finish(episodes, name, recording, references, stamp)
-
-
-def _failed(episodes: EpisodeSet, name: str, error: str, stamp: str) -> _Finished:
-    return _Finished(failed_rows(episodes, name, error, stamp), None, None)
-
-
-def _parallel(jobs: int) -> Parallel:
-    # Threads inside a worker would fight the other workers for the cores.
-    return Parallel(n_jobs=jobs, return_as="generator", inner_max_num_threads=1)
-
-
-def _run_competitors(pairs: list[_Pair], stamp: str, jobs: int) -> Iterator[_Finished]:
-    """Every pair, in order. A competitor that ends its whole worker process fails alone: the rest is run one by one."""
-    done = 0
-    try:
-        for run in _parallel(jobs)(delayed(_run_competitor)(*pair, stamp) for pair in pairs):
-            yield run
-            done += 1
-    except TerminatedWorkerError:
-        for episodes, name, references in pairs[done:]:
-            try:
-                yield from _parallel(2)([delayed(_run_competitor)(episodes, name, references, stamp)])
-            except TerminatedWorkerError:
-                yield _failed(episodes, name, "it ended the process that it ran in", stamp)
-
-
-def run_protocol(protocol: Protocol, *, jobs: int = 1, on_run: OnRun | None = None) -> Results:
-    """Run everything that a protocol names. The result does not depend on `jobs`.
+def run_protocol(
+    protocol: Protocol,
+    *,
+    submissions: Sequence[Competitor] = (),
+    jobs: int = 1,
+    backend: Backend | None = None,
+    store: Store | None = None,
+    on_run: OnRun | None = None,
+) -> Results:
+    """Run everything that a protocol names. The rows do not depend on who does the work, nor on the store.
 
     Args:
         protocol: what is run.
+        submissions: further competitors.
         jobs: worker processes; -1 = one per core. With 1 everything runs in this process.
+        backend: who does the work, instead of `jobs` processes.
+        store: what was computed before is taken from there, what is computed now is kept there; None = neither.
         on_run: called with a label after every run, `none` and `ideal` counted as one.
+
+    Raises:
+        ValueError: an entry is not allowed, or two competitors have the same name.
+        BackendError: the workers were lost; what they finished is in the store.
     """
-    announce = on_run or _silence
-    sets = [
-        EpisodeSet(env_id, variant, protocol.seeds_of(variant), {})
+    competitors = competitors_of(protocol, submissions)
+    contests = [
+        Contest(EpisodeSet(env_id, variant, protocol.seeds_of(variant), {}), competitors)
         for env_id in protocol.environments
         for variant in protocol.variants
     ]
-    competitors = [name for name in protocol.compensators if name not in BUILT_IN]
-    finished: list[list[_Finished]] = []
-    pairs: list[_Pair] = []
-    outcome = _parallel(jobs)(delayed(_run_references)(episodes, protocol.stamp) for episodes in sets)
-    for episodes, (references, both) in zip(sets, outcome, strict=True):
-        finished.append(both)
-        pairs += [(episodes, name, references) for name in competitors]
-        announce(f"{episodes.env_id} {episodes.variant}: none, ideal")
-    for place, run in enumerate(_run_competitors(pairs, protocol.stamp, jobs)):
-        episodes, name, _ = pairs[place]
-        finished[place // len(competitors)].append(run)
-        announce(f"{episodes.env_id} {episodes.variant}: {name}")
-    ordered = [run for runs in finished for run in runs]
-    return Results(
-        episodes=pd.concat([run.rows for run in ordered], ignore_index=True),
-        timing=pd.DataFrame([run.timing for run in ordered if run.timing is not None]),
-        traces=[run.trace for run in ordered if run.trace is not None],
-    )
+    return run_contests(contests, protocol.stamp, backend=backend or Processes(jobs), store=store, on_run=on_run)
 
 
 def _silence(label: str) -> None:

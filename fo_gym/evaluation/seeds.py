@@ -5,9 +5,10 @@ from __future__ import annotations
 # Small numbers are what everybody types: they are for training.
 TRAINING_SEEDS = range(1_000_000_000)
 VALIDATION_SEEDS = range(1_000_000_000, 1_000_001_000)
+TUNING_SEEDS = range(1_500_000_000, 1_500_001_000)
 LEADERBOARD_SEEDS = range(2_000_000_000, 2_000_001_000)
 
-__all__ = ["LEADERBOARD_SEEDS", "TRAINING_SEEDS", "VALIDATION_SEEDS", "first"]
+__all__ = ["LEADERBOARD_SEEDS", "TRAINING_SEEDS", "TUNING_SEEDS", "VALIDATION_SEEDS", "first"]
 
 
 def first(seeds: range, count: int) -> tuple[int, ...]:

@@ -9,7 +9,7 @@ import pandas as pd
 
 from fo_gym.compensators import BUILT_IN
 from fo_gym.evaluation.evaluate import OK
-from fo_gym.evaluation.leaderboard import KEY, SET, leaderboard, standings
+from fo_gym.evaluation.leaderboard import SET, leaderboard, overall
 
 # Beside frr: column, heading, and the factor from the column's unit to the heading's.
 _SHOWN = (
@@ -20,7 +20,7 @@ _SHOWN = (
     ("estimate_lag_ms", "lag [ms]", 1.0),
 )
 
-__all__ = ["Ranking", "markdown", "rankings", "summary"]
+__all__ = ["Ranking", "finding", "markdown", "rankings", "summary"]
 
 
 class Ranking(NamedTuple):
@@ -41,39 +41,91 @@ def _verdict(row: pd.Series[Any]) -> str:
     return "; ".join(str(part) for part in (words, note) if part and not pd.isna(part))
 
 
+def _range(low: Any, high: Any, form: str) -> str:
+    return "" if pd.isna(low) else f"{low:{form}} ... {high:{form}}"
+
+
 def _cells(row: pd.Series[Any], shown: list[tuple[str, str, float]]) -> list[str]:
-    interval = "" if pd.isna(row["frr"]) else f"{row['frr_ci_low']:.4f} ... {row['frr_ci_high']:.4f}"
     scores = [_number(row[column], ".3g", factor) for column, _, factor in shown]
     return [
         _number(row["rank"], ".0f"),
         row["compensator"],
         _number(row["frr"], ".4f"),
-        interval,
+        _range(row["frr_ci_low"], row["frr_ci_high"], ".4f"),
+        _range(row["rank_ci_low"], row["rank_ci_high"], ".0f"),
+        "" if pd.isna(row["tied_group"]) else row["tied_group"],
         *scores,
         _verdict(row),
     ]
 
 
-def rankings(episodes: pd.DataFrame) -> Iterator[Ranking]:
-    """One ranking per environment and variant of the episodes (rows as `evaluate` gives them)."""
-    table = leaderboard(episodes).merge(standings(episodes), on=KEY, how="left")
+def rankings(episodes: pd.DataFrame, table: pd.DataFrame | None = None) -> Iterator[Ranking]:
+    """One ranking per variant over all environments, where there are several, then one per environment and variant.
+
+    Args:
+        episodes: rows as `evaluate` gives them.
+        table: `leaderboard` of these episodes, where it is at hand already.
+    """
+    for variant, group in overall(episodes).groupby("variant", sort=False):
+        yield _ranking(f"All environments, {variant}", group, [])
+    table = leaderboard(episodes) if table is None else table
     for key, group in table.groupby(SET, sort=False):
-        ordered = group.sort_values("rank", kind="stable", na_position="last")
-        unit = next((unit for unit in ordered["joint_unit"] if unit), "")
-        shown = [entry for entry in _SHOWN if ordered[entry[0]].notna().any()]
+        shown = [entry for entry in _SHOWN if group[entry[0]].notna().any()]
         if any(column.endswith("_mm") for column, _, _ in shown):
             # Where the tool's path is the task, joints may rest anywhere that puts the tool right.
             shown = [entry for entry in shown if not entry[0].endswith("_ju")]
-        headings = [
-            "rank",
-            "compensator",
-            "FRR",
-            "95 % interval",
-            *(h.format(unit=unit) for _, h, _ in shown),
-            "verdict",
-        ]
-        cells = [_cells(row, shown) for _, row in ordered.iterrows()]
-        yield Ranking(f"{key[0]}, {key[1]}", headings, cells)
+        unit = next((unit for unit in group["joint_unit"] if unit), "")
+        named = [(column, heading.format(unit=unit), factor) for column, heading, factor in shown]
+        yield _ranking(f"{key[0]}, {key[1]}", group, named)
+
+
+def _ranking(title: str, rows: pd.DataFrame, shown: list[tuple[str, str, float]]) -> Ranking:
+    """The rows as a ranking, with the columns `shown` (column, heading, factor) beside frr."""
+    ordered = rows.sort_values("rank", kind="stable", na_position="last")
+    before = ["rank", "compensator", "FRR", "95 % interval", "ranks", "group"]
+    cells = [_cells(row, shown) for _, row in ordered.iterrows()]
+    return Ranking(title, [*before, *(heading for _, heading, _ in shown), "verdict"], cells)
+
+
+def finding(table: pd.DataFrame, variant: str) -> str:
+    """Who is best in a variant and tied with the best, and who is beaten, in two sentences of Markdown.
+
+    Args:
+        table: rows as `leaderboard` gives them, or as read from leaderboard.csv.
+        variant: which of its variants.
+
+    Raises:
+        ValueError: the table has no such variant.
+    """
+    rows = table[(table["variant"] == variant) & ~table["compensator"].isin(BUILT_IN)]
+    if not len(rows):
+        known = ", ".join(map(str, table["variant"].unique()))
+        raise ValueError(f"the table has no variant {variant!r}; it has {known}")
+    envs = rows["env"].unique()
+    leaders = [_leaders(str(env), rows[rows["env"] == env]) for env in envs]
+    beaten: dict[str, list[str]] = {"everywhere": []}
+    for name, group in rows[rows["verdict"] == "behind"].groupby("compensator", sort=False):
+        lost = [str(env) for env in group["env"]]
+        where = "everywhere" if len(lost) == len(envs) > 1 else "on " + _listed(lost)
+        beaten.setdefault(where, []).append(f"`{name}`")
+    losers = "; ".join(f"{where}: {', '.join(names)}" for where, names in beaten.items() if names) or "nobody"
+    unscored = [f"`{name}`" for name in rows.loc[rows["frr"].isna(), "compensator"].unique()]
+    losers += f"; without a score somewhere: {', '.join(unscored)}" if unscored else ""
+    return f"In `{variant}`, {'; '.join(leaders)}. Beaten by the best (95 % interval without zero): {losers}."
+
+
+def _leaders(env: str, rows: pd.DataFrame) -> str:
+    """Who is best on an environment, and with whom."""
+    best = rows.loc[rows["verdict"] == "best", "compensator"]
+    if not len(best):
+        return f"nobody has a score on {env}"
+    tied = [f"`{name}`" for name in rows.loc[rows["verdict"] == "tied", "compensator"]]
+    return f"`{best.iloc[0]}` is best on {env}, tied with {_listed(tied) if tied else 'nobody'}"
+
+
+def _listed(words: list[str]) -> str:
+    """The words as a person lists them: a, b and c."""
+    return " and ".join(part for part in (", ".join(words[:-1]), *words[-1:]) if part)
 
 
 def summary(table: pd.DataFrame) -> Ranking:

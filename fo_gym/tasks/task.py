@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,14 +56,14 @@ class Randomization:
     def __post_init__(self) -> None:
         if not (math.isfinite(self.start) and self.start >= 0):
             raise ValueError(f"Randomization.start is {self.start}; it must be finite and at least 0")
-        for field in fields(self):
-            if field.name == "start":
+        for each in fields(self):
+            if each.name == "start":
                 continue
-            low, high = getattr(self, field.name)
-            may_be_zero = field.name in ("step", "push", "push_time")
+            low, high = getattr(self, each.name)
+            may_be_zero = each.name in ("step", "push", "push_time")
             if not (0 <= low <= high < math.inf and (may_be_zero or low > 0)):
                 bound = "0 <= low" if may_be_zero else "0 < low"
-                raise ValueError(f"Randomization.{field.name} is ({low}, {high}); it must be finite, {bound} <= high")
+                raise ValueError(f"Randomization.{each.name} is ({low}, {high}); it must be finite, {bound} <= high")
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +101,7 @@ class Task:
     random_push: Push
     limit_cycle_window: Range | None
     randomization: Randomization
-    hardware: Hardware
+    hardware: Hardware = field(default_factory=Hardware)
 
     @property
     def motion_window(self) -> Range | None:

@@ -1,4 +1,4 @@
-"""Energy: whether the observer, or the compensated joint, produces some."""
+"""Energy: whether the observer, the compensation, or the compensated joint produces some."""
 
 from __future__ import annotations
 
@@ -48,3 +48,24 @@ def passivity_index(episode: Episode) -> float:
     velocity = (episode.q_dot[:-1] + episode.q_dot[1:]) / 2
     work = episode.dt * np.sum(episode.tau_ext * velocity, axis=1)
     return float(np.min(np.cumsum(work), initial=0.0))
+
+
+@metric("over_compensation_ratio", unit="1", better="lower")
+def over_compensation(episode: Episode) -> float:
+    """Energy that the estimate feeds into the motion beyond what friction takes, as a share of what friction takes.
+
+        sum of max(0, -tau_f_hat dtheta - taken) / sum of taken,  taken = max(0, -tau_f dtheta)
+
+    over all periods and joints, dtheta = theta[k+1] - theta[k]. tau_f_hat is held over a period, so that
+    -tau_f_hat dtheta is exactly the work it does on the motor; tau_f is the period's mean. Where friction takes
+    energy, the numerator is the work of the residual tau_f - tau_f_hat where that drives the motion; where the
+    bristles spring back (taken = 0), what they return is not counted, only what the estimate adds. 0 for no estimate
+    and for a perfect one, 1 for one that is twice too large throughout. Summed over joints, as energies are: one that
+    hardly moves does not decide. NaN where friction takes nothing.
+    """
+    step = np.diff(episode.motion.theta, axis=0)
+    taken = np.maximum(0.0, -episode.tau_f * step)
+    if not taken.any():
+        return math.nan
+    fed = np.maximum(0.0, -episode.tau_f_hat * step - taken)
+    return float(np.sum(fed) / np.sum(taken))

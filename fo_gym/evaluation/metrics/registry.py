@@ -18,9 +18,10 @@ UNIT_ENDINGS = {
     "%": "_percent",
     "J": "_j",
     "Hz": "_hz",
+    "events": "_count",
     "1": "_ratio",
 }
-"""Units that a metric may have ("ju" = joint unit, m or rad; "1" = none), with the ending of its column name."""
+"""Units that a metric may have, with the ending of its column name: "ju" = joint unit, m or rad; "1" = none."""
 
 HEADLINE = "frr"
 """The one name without a unit's ending: the friction rejection ratio."""

@@ -27,6 +27,15 @@ _CREEP_PRICE = 1e-3
 _NO_LIMIT_CYCLE = 2e-5
 """Peak-to-peak motion, m or rad, below which a limit cycle has no period."""
 
+_STUCK = 0.003
+"""A joint is stuck below this fraction of the largest friction-free speed of any joint in the episode."""
+
+_SLIPS = 0.03
+"""A stuck joint has slipped above this fraction of that speed."""
+
+_STUCK_FOR = 0.1
+"""How long a joint must be below the lower speed to be stuck, s; a joint that only turns around is not."""
+
 
 @metric("rest_error_before_push_ju", unit="ju", better="lower")
 def rest_error_before_push(episode: Episode) -> float:
@@ -102,12 +111,47 @@ def limit_cycle_period(episode: Episode) -> float:
     return episode.dt * float(np.mean(changes[2:] - changes[:-2]))
 
 
-def _limit_cycles(episode: Episode) -> Array | None:
-    """Motion that friction adds in the limit-cycle window, without creep, (ticks, dof); None without a window."""
+@metric("stick_slip_count", unit="events", better="lower")
+def stick_slip(episode: Episode) -> float:
+    """How often a joint in the limit-cycle window, having been stuck, slips, worst joint.
+
+    With v = the largest friction-free speed of any joint in the episode, from theta_ideal: a joint is stuck once
+    |theta'| was below 0.3 % of v for 0.1 s on end, and has slipped when it next exceeds 3 % of v. Both thresholds
+    follow from the episode, so that m and rad, large and small steps are alike; slips less than 0.1 s of rest
+    apart (a pair) count as one. The window is where the reference stands still and nothing pushes: along a path
+    joints stick at every reversal, which is no hunting. On a joint that rings, every reversal at which it sticks
+    counts. NaN as the amplitude, and where nothing moves without friction.
+    """
+    window = _rest_window(episode)
+    fastest = np.max(np.abs(np.diff(episode.ideal.theta, axis=0)), initial=0.0) / episode.dt
+    if window is None or fastest == 0.0:
+        return math.nan
+    speeds = np.abs(episode.theta_dot[window]) / fastest
+    ticks = max(1, round(_STUCK_FOR / episode.dt))
+    return float(max(_slips(speed, ticks) for speed in speeds.T))
+
+
+def _slips(speed: Array, ticks: int) -> int:
+    """How often `speed` (n,), having been below `_STUCK` for so many `ticks`, exceeds `_SLIPS`."""
+    stuck = np.zeros(len(speed), dtype=bool)
+    if len(speed) >= ticks:
+        stuck[ticks - 1 :] = np.convolve(speed < _STUCK, np.ones(ticks, dtype=int), mode="valid") == ticks
+    state = np.where(stuck, -1, np.where(speed > _SLIPS, 1, 0))
+    return int(np.sum(np.diff(state[state != 0]) > 0))
+
+
+def _rest_window(episode: Episode) -> slice | None:
+    """Ticks of the limit-cycle window; None without one, or if it ends after the episode."""
     if episode.limit_cycle_window is None:
         return None
     window = episode.ticks(*episode.limit_cycle_window)
-    if window.stop > len(episode.theta_d):
+    return window if window.stop <= len(episode.theta_d) else None
+
+
+def _limit_cycles(episode: Episode) -> Array | None:
+    """Motion that friction adds in the limit-cycle window, without creep, (ticks, dof); None without a window."""
+    window = _rest_window(episode)
+    if window is None:
         return None
     theta = episode.motion.theta[window]
     from_ideal = np.apply_along_axis(_without_creep, 0, theta - episode.ideal.theta[window])

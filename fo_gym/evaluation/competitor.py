@@ -1,0 +1,74 @@
+"""Who is scored: a compensator with its gains, under the name that the tables give it."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from fo_gym.compensators import Compensator, make_compensator
+from fo_gym.evaluation.content import Content, content_of, digest
+
+BASELINE, SUBMISSION, REFERENCE = "baseline", "submission", "reference"
+"""Where a competitor comes from: the protocol, the folder of submissions, or the suite itself (`none`, `ideal`)."""
+
+Gains = Mapping[str, Any]
+"""Keyword arguments of a compensator."""
+
+_HASH_LENGTH = 16
+
+__all__ = ["BASELINE", "REFERENCE", "SUBMISSION", "Competitor", "Gains"]
+
+
+@dataclass(frozen=True)
+class Competitor:
+    """A compensator with its gains, under the name that the tables give it.
+
+    Attributes:
+        name: what the tables call it.
+        spec: a registered name, "module:Class" or "file.py:Class".
+        origin: "baseline", "submission" or "reference".
+        gains: keyword arguments of the compensator.
+        sets: gains that replace them, by environment and variant.
+        authors: who made it.
+        link: where it is described, or "".
+    """
+
+    name: str
+    spec: str
+    origin: str = BASELINE
+    gains: Gains = field(default_factory=dict)
+    sets: Mapping[tuple[str, str], Gains] = field(default_factory=dict)
+    authors: tuple[str, ...] = ()
+    link: str = ""
+
+    def gains_on(self, env_id: str, variant: str) -> Gains:
+        """The gains on an environment and variant."""
+        return self.sets.get((env_id, variant), self.gains)
+
+    def make(self, env_id: str, variant: str) -> Compensator:
+        """The compensator with its gains there. Raises as `make_compensator` does."""
+        return make_compensator(self.spec, **self.gains_on(env_id, variant))
+
+    @cached_property
+    def content(self) -> Content:
+        """Its source and data, as they were when this was first asked."""
+        return content_of(self.spec)
+
+    def hash_on(self, env_id: str, variant: str) -> str:
+        """Hash of its source, data and gains there; "" for the references, and for what cannot be found."""
+        if not self.content.files:
+            return ""
+        gains = {key: _file_hash(value) for key, value in self.gains_on(env_id, variant).items()}
+        where, colon, attribute = self.spec.rpartition(":")
+        spec = f"{Path(where).name}{colon}{attribute}"
+        return digest({"spec": spec, "gains": gains, "files": self.content.files})[:_HASH_LENGTH]
+
+
+def _file_hash(value: Any) -> Any:
+    """A gain as it counts: where it names a file, that file's content, wherever it lies."""
+    named = isinstance(value, str) and Path(value).is_file()
+    return hashlib.sha256(Path(value).read_bytes()).hexdigest() if named else value

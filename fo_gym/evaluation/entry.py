@@ -1,0 +1,167 @@
+"""Entries: TOML files that name a compensator, who made it, and its gains.
+
+name = "mine"                        # optional; the name of the file by default
+spec = "mine.py:Mine"                # a registered name, module:Class, or file.py:Class beside the entry
+authors = ["A. Author"]
+link = "https://example.org/paper"   # or ""
+
+[gains]                              # optional; keyword arguments of the compensator
+L = 80.0
+weights = "mine.npz"                 # a text that names a file beside the entry stands for that file
+
+[[sets]]                             # optional; gains that replace those above on one environment and variant
+env = "FJRSquare-v0"
+variant = "randomized"
+gains = { L = 60.0 }
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from fo_gym.compensators import BUILT_IN
+from fo_gym.evaluation.competitor import BASELINE, REFERENCE, SUBMISSION, Competitor, Gains
+from fo_gym.evaluation.protocol import known_environments
+from fo_gym.tasks.task import VARIANTS
+
+_NEEDED, _ALLOWED = ("spec", "authors", "link"), ("name", "gains", "sets")
+_WORDS: Mapping[type, str] = {str: "text", list: "list", dict: "table"}
+
+__all__ = ["check_names", "competitor_of", "load_entry", "shipped_entries", "submissions_in"]
+
+
+def shipped_entries() -> dict[str, Path]:
+    """The entries that come with the package, by the name of their file."""
+    folder = Path(str(files("fo_gym.protocols"))) / "tuned"
+    return {path.stem: path for path in sorted(folder.glob("*.toml"))}
+
+
+def competitor_of(text: str) -> Competitor:
+    """The competitor that a name means.
+
+    Args:
+        text: a shipped entry, the path of an entry (*.toml), a registered compensator, "module:Class" or
+            "file.py:Class". Whether there is such a compensator shows when it is made.
+
+    Raises:
+        ValueError: an entry cannot be read or is not allowed.
+    """
+    shipped = shipped_entries()
+    if text in shipped or text.endswith(".toml"):
+        return load_entry(shipped.get(text, Path(text)))
+    return Competitor(text, text, REFERENCE if text in BUILT_IN else BASELINE)
+
+
+def submissions_in(folder: Path) -> tuple[Competitor, ...]:
+    """The entries *.toml of a folder, by the name of their file. Raises ValueError for one that is not allowed."""
+    if not folder.is_dir():
+        raise ValueError(f"there is no folder {folder}; name one with entries *.toml")
+    return tuple(replace(load_entry(path), origin=SUBMISSION) for path in sorted(folder.glob("*.toml")))
+
+
+def check_names(competitors: Iterable[Competitor]) -> None:
+    """Raise ValueError where two competitors have the same name."""
+    seen: dict[str, Competitor] = {}
+    for each in competitors:
+        if each.name in seen:
+            raise ValueError(
+                f"two competitors are called {each.name!r}: {seen[each.name].spec} and {each.spec}; "
+                "give one of them another name (the key 'name' of its entry)"
+            )
+        seen[each.name] = each
+
+
+def load_entry(path: Path) -> Competitor:
+    """Read an entry (see the head of this module).
+
+    Raises:
+        ValueError: there is no such file, or a key is missing, unknown or not what it must be; it names file and key.
+    """
+    if not path.is_file():
+        raise ValueError(f"there is no entry {path}; shipped ones are {', '.join(shipped_entries()) or 'none'}")
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ValueError(f"entry {path}: {error}") from error
+    _check_keys(path, "", content, _NEEDED, _ALLOWED)
+    for key, kind in (("spec", str), ("link", str), ("name", str), ("authors", list), ("gains", dict), ("sets", list)):
+        if not isinstance(content.get(key, kind()), kind):
+            raise ValueError(f"entry {path}: {key} is {content[key]!r}; it must be a {_WORDS[kind]}")
+    authors = content["authors"]
+    if not authors or not all(isinstance(author, str) and author.isprintable() for author in authors):
+        raise ValueError(f"entry {path}: authors is {authors!r}; give at least one name, each a line of text")
+    link = content["link"]
+    if link and not re.fullmatch(r"https?://[^\s|()<>]+", link):
+        raise ValueError(f'entry {path}: link is {link!r}; give an address https://..., or ""')
+    return Competitor(
+        name=_name(path, content.get("name", path.stem)),
+        spec=_spec(path, content["spec"]),
+        gains=_gains(path, content.get("gains", {})),
+        sets=_sets(path, content.get("sets", [])),
+        authors=tuple(authors),
+        link=link,
+    )
+
+
+def _check_keys(
+    path: Path, where: str, table: Mapping[str, Any], needed: Iterable[str], allowed: Iterable[str]
+) -> None:
+    missing = [key for key in needed if key not in table]
+    unknown = [key for key in table if key not in (*needed, *allowed)]
+    if missing or unknown:
+        besides = f", and may have {', '.join(allowed)}" if allowed else ""
+        raise ValueError(
+            f"entry {path}: {where}missing keys {missing}, unknown keys {unknown}; "
+            f"it needs {', '.join(needed)}{besides}"
+        )
+
+
+def _name(path: Path, name: str) -> str:
+    if name in BUILT_IN or not re.fullmatch(r"[\w.+-]+( [\w.+-]+)*", name):
+        raise ValueError(
+            f"entry {path}: name is {name!r}; give letters, digits and . _ + - with single spaces between, and neither "
+            f"of the references {', '.join(BUILT_IN)}"
+        )
+    return name
+
+
+def _spec(path: Path, spec: str) -> str:
+    """The spec, with a file as seen from here instead of from the entry."""
+    if spec in BUILT_IN or not spec:
+        raise ValueError(f"entry {path}: spec is {spec!r}; name a compensator of your own, not a reference")
+    where, colon, attribute = spec.rpartition(":")
+    return f"{path.parent / where}{colon}{attribute}" if where.endswith(".py") else spec
+
+
+def _gains(path: Path, gains: Mapping[str, Any]) -> Gains:
+    """The gains, with a file beside the entry as seen from here."""
+    return {key: _beside(path, value) if isinstance(value, str) else value for key, value in gains.items()}
+
+
+def _beside(path: Path, value: str) -> str:
+    return str(path.parent / value) if value and (path.parent / value).is_file() else value
+
+
+def _sets(path: Path, tables: list[Any]) -> dict[tuple[str, str], Gains]:
+    found: dict[tuple[str, str], Gains] = {}
+    allowed = {"env": known_environments(), "variant": VARIANTS}
+    for number, table in enumerate(tables, start=1):
+        where = f"set {number}: "
+        if not isinstance(table, dict):
+            raise ValueError(f"entry {path}: {where}it is {table!r}; write [[sets]] with env, variant and gains")
+        _check_keys(path, where, table, ("env", "variant", "gains"), ())
+        for key, values in allowed.items():
+            if table[key] not in values:
+                raise ValueError(f"entry {path}: {where}{key} is {table[key]!r}; allowed are {', '.join(values)}")
+        if not isinstance(table["gains"], dict):
+            raise ValueError(f"entry {path}: {where}gains is {table['gains']!r}; it must be a table")
+        if (table["env"], table["variant"]) in found:
+            raise ValueError(f"entry {path}: {where}{table['env']} {table['variant']} is there twice; keep one")
+        found[table["env"], table["variant"]] = _gains(path, table["gains"])
+    return found

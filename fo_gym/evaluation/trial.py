@@ -1,0 +1,93 @@
+"""A trial: one competitor on one set of episodes, the unit that is run, kept and run again."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from fo_gym.evaluation.competitor import REFERENCE, Competitor
+from fo_gym.evaluation.evaluate import FAILED, EpisodeSet, failed_rows, references_of, rows
+from fo_gym.evaluation.recording import Recording, References
+from fo_gym.evaluation.trace import Trace, trace_of
+
+NONE = Competitor("none", "none", REFERENCE)
+IDEAL = Competitor("ideal", "ideal", REFERENCE)
+
+__all__ = ["IDEAL", "NONE", "Trial", "competitor_trial", "failed_trial", "reference_trials"]
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What a competitor did on a set of episodes.
+
+    Attributes:
+        rows: one per episode, as `rows` gives them.
+        timing: median and 99th percentile of the time per call of `estimate`, for the whole batch; None if it failed.
+        trace: the episode of the nominal variant, thinned; None in the others.
+    """
+
+    rows: pd.DataFrame
+    timing: Mapping[str, Any] | None
+    trace: Trace | None
+
+    @property
+    def failed(self) -> bool:
+        """Whether the competitor could not be run."""
+        return bool((self.rows["status"] == FAILED).any())
+
+    def labelled(self, episodes: EpisodeSet, competitor: Competitor, protocol: str) -> Trial:
+        """The same with the names that this run gives it: a trial out of the store may have had others."""
+        name = competitor.name
+        content = competitor.hash_on(episodes.env_id, episodes.variant)
+        return Trial(
+            self.rows.assign(compensator=name, origin=competitor.origin, competitor_hash=content, protocol=protocol),
+            None if self.timing is None else {**self.timing, "compensator": name},
+            None if self.trace is None else replace(self.trace, compensator=name),
+        )
+
+
+def _timing(episodes: EpisodeSet, name: str, recording: Recording) -> dict[str, Any]:
+    median, p99 = np.percentile(recording.seconds, [50, 99]) * 1e6
+    return {
+        "env": episodes.env_id,
+        "variant": episodes.variant,
+        "compensator": name,
+        "num_envs": len(episodes.seeds),
+        "estimate_median_us": round(float(median), 2),
+        "estimate_p99_us": round(float(p99), 2),
+    }
+
+
+def _trial(episodes: EpisodeSet, name: str, recording: Recording, references: References) -> Trial:
+    trace = trace_of(episodes.env_id, name, recording) if episodes.variant == "nominal" else None
+    return Trial(rows(episodes, name, recording, references), _timing(episodes, name, recording), trace)
+
+
+def reference_trials(episodes: EpisodeSet) -> tuple[References, Trial, Trial]:
+    """What all scores of a set are relative to, then the trials of `none` and of `ideal`."""
+    none, ideal = references_of(episodes)
+    references = References(ideal.motions, none.motions)
+    return (
+        references,
+        _trial(episodes, NONE.name, none, references),
+        _trial(episodes, IDEAL.name, ideal, references),
+    )
+
+
+def competitor_trial(episodes: EpisodeSet, competitor: Competitor, references: References) -> Trial:
+    """One competitor on one set of episodes. Whatever goes wrong in it becomes its failed rows."""
+    try:
+        compensator = competitor.make(episodes.env_id, episodes.variant)
+        recording = episodes.record(compensator, competitor.name)
+    except (Exception, SystemExit) as error:
+        return failed_trial(episodes, competitor, f"{type(error).__name__}: {error}")
+    return _trial(episodes, competitor.name, recording, references)
+
+
+def failed_trial(episodes: EpisodeSet, competitor: Competitor, error: str) -> Trial:
+    """The trial of a competitor that could not be run: no scores, and why."""
+    return Trial(failed_rows(episodes, competitor.name, error), None, None)

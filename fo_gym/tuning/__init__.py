@@ -1,0 +1,1 @@
+"""Equal tuning: the same search, with the same simulated time, for every compensator that declares its gains."""

@@ -1,0 +1,168 @@
+"""One study: a compensator's gains on one environment and variant."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import optuna
+import pandas as pd
+from optuna.storages import JournalStorage
+from optuna.storages.journal import JournalFileBackend
+from optuna.trial import FrozenTrial, TrialState
+
+from fo_gym.compensators import make_compensator
+from fo_gym.evaluation.evaluate import EpisodeSet, references_of, rows
+from fo_gym.evaluation.recording import References
+from fo_gym.evaluation.seeds import TUNING_SEEDS, VALIDATION_SEEDS, first
+from fo_gym.tuning.space import default_gains, search_space
+
+FINALISTS = 3
+FINAL_EPISODES = 20
+"""Validation episodes of each finalist: more than of a trial, since fast gains may ring in one episode of twenty."""
+
+WORST = -1.0
+"""What an episode counts at least: one that is lost is lost, however badly."""
+
+OnTrial = Callable[[str], None]
+
+__all__ = ["FINALISTS", "FINAL_EPISODES", "WORST", "Case", "Outcome", "run_study"]
+
+
+@dataclass(frozen=True)
+class Case:
+    """What is tuned, and with how much effort.
+
+    Attributes:
+        spec: compensator, with a `search_space`.
+        env_id, variant: where.
+        trials: sets of gains that are tried; those that the compensator refuses cost nothing and do not count.
+        episodes: of every trial; their seeds are the first tuning seeds.
+        seed: of the search.
+    """
+
+    spec: str
+    env_id: str
+    variant: str
+    trials: int
+    episodes: int
+    seed: int
+
+    def __post_init__(self) -> None:
+        for name in ("trials", "episodes"):
+            if getattr(self, name) < 1:
+                raise ValueError(f"{name} is {getattr(self, name)}; it must be at least 1")
+        if self.variant == "nominal":
+            raise ValueError("variant 'nominal' is one episode, the one that is scored; tune on one with draws")
+
+    @property
+    def name(self) -> str:
+        """What to call it, also as a file."""
+        return f"{self.spec}-{self.env_id}-{self.variant}".replace(":", "-").replace("/", "-")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a study found.
+
+    Attributes:
+        case: what was tuned.
+        gains: the chosen ones.
+        trials: one row per trial: number, gains, mean FRR on the tuning seeds, and for finalists on validation seeds.
+    """
+
+    case: Case
+    gains: Mapping[str, float]
+    trials: pd.DataFrame
+
+
+class _Scorer:
+    """Mean FRR of gains on one set of episodes."""
+
+    def __init__(self, case: Case, seeds: tuple[int, ...]) -> None:
+        self._spec = case.spec
+        self._episodes = EpisodeSet(case.env_id, case.variant, seeds, {})
+        none, ideal = references_of(self._episodes)
+        self._references = References(ideal.motions, none.motions)
+
+    def __call__(self, gains: Mapping[str, float]) -> float:
+        recording = self._episodes.record(make_compensator(self._spec, **gains), self._spec)
+        frr = rows(self._episodes, self._spec, recording, self._references)["frr"].to_numpy()
+        return float(np.maximum(np.nan_to_num(frr, nan=WORST), WORST).mean())
+
+
+def run_study(case: Case, folder: Path, on_trial: OnTrial | None = None) -> Outcome:
+    """Search, or go on searching, and choose.
+
+    The first trial has the compensator's own gains; the best few and the first meet again on validation seeds, and the
+    best there is chosen: where nothing is better than what was published, that stays.
+
+    Args:
+        case: what is asked for.
+        folder: keeps the study's journal, from which a search that was killed goes on as if it had not been.
+        on_trial: called with a label after every trial that counts.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    space = search_space(case.spec)
+    study = _open(case, folder)
+    if not _decided(study):
+        study.enqueue_trial(default_gains(case.spec))
+    score = _Scorer(case, first(TUNING_SEEDS, case.episodes))
+
+    def objective(trial: optuna.Trial) -> float:
+        gains = {name: trial.suggest_float(name, low, high, log=True) for name, (low, high) in space.items()}
+        try:
+            make_compensator(case.spec, **gains)
+        except ValueError as error:
+            raise optuna.TrialPruned(str(error)) from error
+        return score(gains)
+
+    while len(_complete(study)) < case.trials:
+        # A sampler of its own for every trial: what it draws depends on the seed and on the trials so far alone.
+        place = case.seed * 100_000 + len(_decided(study))
+        study.sampler = optuna.samplers.TPESampler(seed=place, multivariate=True)
+        study.optimize(objective, n_trials=1)
+        done = len(_complete(study))
+        if on_trial is not None and study.trials[-1].state is TrialState.COMPLETE:
+            on_trial(f"{case.env_id} {case.variant}: trial {done} of {case.trials}, best {study.best_value:.4f}")
+    return _choose(case, study)
+
+
+def _open(case: Case, folder: Path) -> optuna.Study:
+    optuna.logging.set_verbosity(optuna.logging.ERROR)
+    storage = JournalStorage(JournalFileBackend(str(folder / f"{case.name}.journal")))
+    study = optuna.create_study(
+        study_name=f"{case.name}-{case.seed}-{case.episodes}",
+        storage=storage,
+        direction="maximize",
+        load_if_exists=True,
+    )
+    for trial in study.trials:  # what a killed process left behind: it is drawn again, as it was
+        if not trial.state.is_finished():
+            study.tell(trial.number, state=TrialState.FAIL)
+    return study
+
+
+def _decided(study: optuna.Study) -> list[FrozenTrial]:
+    """Trials that were scored, or that the compensator refused."""
+    return [trial for trial in study.trials if trial.state in (TrialState.COMPLETE, TrialState.PRUNED)]
+
+
+def _complete(study: optuna.Study) -> list[FrozenTrial]:
+    return [trial for trial in study.trials if trial.state is TrialState.COMPLETE]
+
+
+def _choose(case: Case, study: optuna.Study) -> Outcome:
+    complete = _complete(study)[: case.trials]
+    best = sorted(complete, key=lambda trial: trial.value or WORST, reverse=True)[:FINALISTS]
+    score = _Scorer(case, first(VALIDATION_SEEDS, FINAL_EPISODES))
+    finals = {trial.number: score(trial.params) for trial in {t.number: t for t in [complete[0], *best]}.values()}
+    table = [
+        {"trial": place, **trial.params, "frr_tuning": trial.value, "frr_validation": finals.get(trial.number)}
+        for place, trial in enumerate(complete)
+    ]
+    chosen = max(finals, key=lambda number: finals[number])
+    gains = next(trial.params for trial in complete if trial.number == chosen)
+    return Outcome(case, gains, pd.DataFrame(table))

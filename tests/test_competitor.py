@@ -1,0 +1,286 @@
+"""Competitors: entries and what is refused in them, submissions apart from ours, and what a competitor consists of."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from tables import SQUARE, STICTION
+from typer.testing import CliRunner
+
+import fo_gym
+from fo_gym.cli import app
+from fo_gym.evaluation import entry
+from fo_gym.evaluation.competitor import BASELINE, REFERENCE, SUBMISSION, Competitor
+from fo_gym.evaluation.content import content_of, suite
+from fo_gym.evaluation.entry import check_names, competitor_of, load_entry, submissions_in
+from fo_gym.evaluation.protocol import Protocol
+from fo_gym.evaluation.run import run_protocol
+
+ENTRY = """
+name = "tuned"
+spec = "mine.py:Mine"
+authors = ["A. Author", "B. Author"]
+link = "https://example.org/paper"
+
+[gains]
+L = 80.0
+
+[[sets]]
+env = "FJRSquare-v0"
+variant = "randomized"
+gains = { L = 60.0 }
+"""
+MINE = """
+from baselines import LeTienObserver
+
+
+class Mine(LeTienObserver):
+    pass
+"""
+Write = Callable[..., Path]
+
+
+@pytest.fixture
+def write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Write:
+    """Writes files into a folder beside the working directory, and names the first."""
+    here = tmp_path / "here"
+    here.mkdir()
+    monkeypatch.chdir(here)
+
+    def write(**contents: str) -> Path:
+        paths = [tmp_path / name.replace("_", ".") for name in contents]
+        for path, content in zip(paths, contents.values(), strict=True):
+            path.write_text(content, encoding="utf-8")
+        return paths[0]
+
+    return write
+
+
+# Entries
+
+
+def test_an_entry_is_read(write: Write) -> None:
+    path = write(theirs_toml=ENTRY, mine_py=MINE)
+    found = load_entry(path)
+    assert (found.name, found.authors, found.link) == ("tuned", ("A. Author", "B. Author"), "https://example.org/paper")
+    assert found.spec == f"{path.parent / 'mine.py'}:Mine"
+    assert found.origin == BASELINE
+    assert found.gains_on(SQUARE, "randomized") == {"L": 60.0}
+    assert found.gains_on(SQUARE, "nominal") == found.gains_on(STICTION, "randomized") == {"L": 80.0}
+    assert found.make(SQUARE, "randomized").L == 60.0  # type: ignore[attr-defined]
+
+
+def test_what_is_optional_may_be_missing(write: Write) -> None:
+    found = load_entry(write(theirs_toml='spec = "pid-high"\nauthors = ["A"]\nlink = ""\n'))
+    assert (found.name, found.spec, found.gains_on(SQUARE, "nominal")) == ("theirs", "pid-high", {})
+
+
+def test_a_gain_that_names_a_file_beside_the_entry_is_that_file(write: Write) -> None:
+    path = write(theirs_toml=ENTRY.replace("L = 80.0", 'weights = "w.npz"\nmode = "fast"'), w_npz="1 2 3")
+    assert load_entry(path).gains == {"weights": str(path.parent / "w.npz"), "mode": "fast"}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (
+            'spec = "mine.py:Mine"\n',
+            "",
+            r"missing keys \['spec'\], unknown keys \[\]; it needs spec, authors, link, and",
+        ),
+        ("[gains]", "[gain]", r"unknown keys \['gain'\].*may have name, gains, sets"),
+        ('spec = "mine.py:Mine"', "spec = 7", "spec is 7; it must be a text"),
+        ('spec = "mine.py:Mine"', 'spec = "ideal"', "spec is 'ideal'; name a compensator of your own"),
+        ('spec = "mine.py:Mine"', 'spec = ""', "spec is ''; name a compensator"),
+        ('name = "tuned"', 'name = "none"', "name is 'none'; give letters.*neither of the references none, ideal"),
+        ('name = "tuned"', 'name = "a|b"', r"name is 'a\|b'; give letters"),
+        ('["A. Author", "B. Author"]', '"A. Author"', "authors is 'A. Author'; it must be a list"),
+        ('["A. Author", "B. Author"]', "[]", r"authors is \[\]; give at least one name"),
+        ('"B. Author"', r'"B\nAuthor"', "each a line of text"),
+        ("https://", "javascript:", "link is 'javascript:.*give an address https://"),
+        ("L = 80.0", "L = ", r"theirs\.toml: "),
+        ('"FJRSquare-v0"', '"FJRNothing-v0"', "set 1: env is 'FJRNothing-v0'; allowed are FJRStiction-v0"),
+        ('"randomized"', '"wild"', "set 1: variant is 'wild'; allowed are nominal, randomized"),
+        ('variant = "randomized"\n', "", r"set 1: missing keys \['variant'\].*it needs env, variant, gains"),
+        ("gains = { L = 60.0 }", "gains = 60.0", r"set 1: gains is 60\.0; it must be a table"),
+        ("gains = { L = 60.0 }", "gains = { L = 60.0 }\nextra = 1", r"set 1: .*unknown keys \['extra'\]"),
+    ],
+)
+def test_a_bad_entry_is_named(write: Write, old: str, new: str, message: str) -> None:
+    assert old in ENTRY
+    path = write(theirs_toml=ENTRY.replace(old, new, 1))
+    with pytest.raises(ValueError, match=rf"entry .*theirs\.toml: .*{message}|{message}"):
+        load_entry(path)
+
+
+def test_the_same_set_twice_is_refused(write: Write) -> None:
+    path = write(theirs_toml=ENTRY + ENTRY[ENTRY.index("[[sets]]") :])
+    with pytest.raises(ValueError, match=r"set 2: FJRSquare-v0 randomized is there twice; keep one"):
+        load_entry(path)
+
+
+def test_what_a_name_means(write: Write, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = write(theirs_toml=ENTRY)
+    assert competitor_of(str(path)).name == "tuned"
+    assert competitor_of("pid-low") == Competitor("pid-low", "pid-low")
+    assert competitor_of("ideal").origin == REFERENCE
+    with pytest.raises(ValueError, match=r"there is no entry nothing\.toml"):
+        competitor_of("nothing.toml")
+    monkeypatch.setattr(entry, "shipped_entries", lambda: {"theirs": path})
+    assert competitor_of("theirs").name == "tuned"
+
+
+def test_shipped_entries_can_be_made() -> None:
+    for name in entry.shipped_entries():
+        competitor = competitor_of(name)
+        assert (competitor.name, competitor.origin) == (name, BASELINE)
+        assert competitor.hash_on(STICTION, "nominal")
+        competitor.make(STICTION, "nominal")
+
+
+def test_evaluate_takes_an_entry(write: Write) -> None:
+    path = write(theirs_toml=ENTRY, mine_py=MINE)
+    row = fo_gym.evaluate(str(path), STICTION, duration=0.1).iloc[0]
+    assert (row["compensator"], row["origin"]) == ("tuned", "")
+    assert row["competitor_hash"] == load_entry(path).hash_on(STICTION, "nominal")
+
+
+def test_two_of_one_name_are_refused() -> None:
+    with pytest.raises(ValueError, match=r"two competitors are called 'a': x:X and y:Y; give one of them another name"):
+        check_names([Competitor("a", "x:X"), Competitor("b", "x:X"), Competitor("a", "y:Y")])
+
+
+# Submissions
+
+PROTOCOL = Protocol("small", "validation", 1, (SQUARE,), ("nominal",), ("pd-low",))
+
+
+def test_submissions_are_the_entries_of_a_folder(write: Write) -> None:
+    folder = write(b_toml=ENTRY, a_toml=ENTRY.replace("tuned", "first"), notes_txt="no entry").parent
+    assert [(each.name, each.origin) for each in submissions_in(folder)] == [
+        ("first", SUBMISSION),
+        ("tuned", SUBMISSION),
+    ]
+    with pytest.raises(ValueError, match=r"there is no folder nowhere; name one"):
+        submissions_in(Path("nowhere"))
+
+
+def test_submissions_are_listed_apart(write: Write, tmp_path: Path) -> None:
+    write(small_toml=TOML)
+    theirs = tmp_path / "here" / "out" / "submissions"
+    theirs.mkdir(parents=True)
+    (theirs / "theirs.toml").write_text(ENTRY, encoding="utf-8")
+    (theirs / "mine.py").write_text(MINE, encoding="utf-8")
+    result = CliRunner().invoke(app, ["leaderboard", "--protocol", "../small.toml", "--out", "out", "--jobs", "1"])
+    assert result.exit_code == 0, result.stderr
+    board = pd.read_csv("out/leaderboard.csv").set_index("compensator")
+    assert board["origin"].to_dict() == {
+        "none": "reference", "ideal": "reference", "pd-low": "baseline", "tuned": "submission"
+    }  # fmt: skip
+    assert board["rank"].dropna().tolist() == [2, 1]
+    page = Path("out/leaderboard.md").read_text(encoding="utf-8")
+    main, section = page.split("## Submissions")
+    assert "| 1 | pd-low |" in main
+    assert "tuned" not in main
+    assert "| tuned | A. Author, B. Author | https://example.org/paper |" in section
+    assert "### FJRSquare-v0, nominal" in section
+    assert "| 1 | tuned |" in section
+    assert "pd-low" not in section
+    assert "Submissions: FJRSquare-v0, nominal" in result.stdout
+
+
+TOML = """
+name = "small"
+split = "validation"
+seeds = 1
+environments = ["FJRSquare-v0"]
+variants = ["nominal"]
+compensators = ["pd-low"]
+"""
+
+
+def test_submissions_leave_the_rows_of_the_others_alone(write: Write) -> None:
+    write(theirs_toml=ENTRY, mine_py=MINE)
+    with_them = run_protocol(PROTOCOL, submissions=submissions_in(Path(".."))).episodes
+    others = with_them[with_them["origin"] != SUBMISSION]
+    pd.testing.assert_frame_equal(others, run_protocol(PROTOCOL).episodes, check_exact=True)
+
+
+# What a competitor consists of
+
+
+def test_only_what_is_imported_counts() -> None:
+    files = set(content_of("pid-low").files)
+    assert "baselines.kim2019" in files
+    assert "baselines.gains" in files
+    assert not {"baselines", "baselines.letien2008"} & files
+    assert not any(name.startswith("fo_gym") for name in files)
+    assert content_of("pid-low").versions == {"numpy": np.__version__}
+
+
+def test_weights_in_a_package_count() -> None:
+    files = set(content_of("rl-direct").files)
+    assert {"baselines.rl.network", "baselines/rl/weights/rl-direct/policy.safetensors"} <= files
+    assert "safetensors" in content_of("rl-direct").versions
+
+
+def test_nothing_is_imported_or_run_to_find_out(write: Write) -> None:
+    path = write(mine_py="raise RuntimeError('imported')\nfrom .. import x\nimport nowhere.at_all\n")
+    assert set(content_of(f"{path}:Mine").files) == {"mine.py"}
+    assert set(content_of(f"{write(broken_py='class Mine(:')}:Mine").files) == {"broken.py"}
+    for spec in ("nobody", "nowhere.py:Mine", "nowhere.at_all:Mine", "none", "ideal"):
+        assert content_of(spec).files == {}, spec
+
+
+def test_files_that_a_file_names_count(write: Write, tmp_path: Path) -> None:
+    (tmp_path / "nets").mkdir()
+    (tmp_path / "nets" / "deep.npz").write_text("1", encoding="utf-8")
+    path = write(mine_py='W = ["w.npz", "nets", "..", "", "/etc", "gone.npz"]', w_npz="1", other_npz="2")
+    assert set(content_of(f"{path}:Mine").files) == {"mine.py", "mine/w.npz", "mine/nets/deep.npz"}
+
+
+def test_a_helper_on_the_path_counts(write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(tmp_path))
+    path = write(mine_py="def f():\n    from helper_of_mine import g\n")
+    (tmp_path / "helper_of_mine.py").write_text("import numpy", encoding="utf-8")
+    content = content_of(f"{path}:Mine")
+    assert set(content.files) == {"mine.py", "helper_of_mine"}
+    assert content.versions == {"numpy": np.__version__}
+
+
+def test_the_hash_tells_competitors_apart(write: Write, tmp_path: Path) -> None:
+    path = write(theirs_toml=ENTRY, mine_py=MINE)
+    first = load_entry(path)
+    assert first.hash_on(SQUARE, "nominal") == first.hash_on(STICTION, "nominal") != first.hash_on(SQUARE, "randomized")
+    moved = tmp_path / "elsewhere"
+    moved.mkdir()
+    for name in ("theirs.toml", "mine.py"):
+        (moved / name).write_bytes((tmp_path / name).read_bytes())
+    assert load_entry(moved / "theirs.toml").hash_on(SQUARE, "nominal") == first.hash_on(SQUARE, "nominal")
+    write(mine_py=MINE + "\n")
+    assert load_entry(path).hash_on(SQUARE, "nominal") != first.hash_on(SQUARE, "nominal")
+
+
+def test_the_hash_covers_a_file_that_a_gain_names(write: Write) -> None:
+    text = ENTRY.replace("L = 80.0", 'weights = "w.npz"')
+    hashes = []
+    for weights in ("1", "2"):
+        competitor = load_entry(write(theirs_toml=text, mine_py=MINE, w_npz=weights))
+        hashes.append(competitor.hash_on(SQUARE, "nominal"))
+    assert hashes[0] != hashes[1]
+
+
+def test_the_suite_is_everything_that_computes() -> None:
+    files = set(suite().files)
+    root = Path(fo_gym.__file__).parent
+    for part in ("plant", "control", "tasks", "envs", "hardware", "evaluation/metrics"):
+        for path in (root / part).rglob("*.py"):
+            module = ".".join(("fo_gym", *path.relative_to(root).with_suffix("").parts))
+            assert path.name == "__init__.py" or module in files, module
+    assert {"fo_gym", "fo_gym.evaluation.recording", "envs_assets", "envs_assets/miro_like.xml"} <= files
+    assert not {"fo_gym.evaluation.tables", "fo_gym.evaluation.store", "fo_gym.cli"} & files
+    assert {"mujoco", "numba", "numpy"} <= set(suite().versions)

@@ -1,0 +1,144 @@
+"""What publishes the results: workflows, citation, hooks, and the page about the protocol say what is there."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+import fo_gym
+from fo_gym.cli import app
+from fo_gym.evaluation import seeds
+from fo_gym.evaluation.entry import load_entry
+from fo_gym.evaluation.leaderboard import STANDING
+from fo_gym.evaluation.protocol import shipped_protocols
+from fo_gym.tasks.task import VARIANTS
+
+ROOT = Path(__file__).parents[1]
+WORKFLOWS = sorted((ROOT / ".github" / "workflows").glob("*.yml"))
+PAGE = (ROOT / "docs" / "protocol.md").read_text(encoding="utf-8")
+TARGETS = set(re.findall(r"^([\w$()./-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
+TARGETS |= {target.replace("$(VENV)", ".venv") for target in TARGETS}
+COMMANDS = {command.name for command in app.registered_commands}
+
+
+def read(path: Path) -> Any:
+    return yaml.safe_load(path.read_text(encoding="utf-8"))
+
+
+def steps(workflow: Path) -> list[dict[str, Any]]:
+    """All steps of all jobs."""
+    return [step for job in read(workflow)["jobs"].values() for step in job["steps"]]
+
+
+def check_command(command: str) -> None:
+    """Whether a command line of ours names what there is: a target of make, a command of fo-gym, or pip."""
+    program, first, *_ = command.split()
+    if program == "make":
+        assert first in TARGETS, command
+    elif program.endswith("fo-gym"):
+        assert first in COMMANDS, command
+    else:
+        assert command.startswith(".venv/bin/python -m pip install "), command
+
+
+def test_there_are_two_workflows() -> None:
+    assert [path.stem for path in WORKFLOWS] == ["leaderboard", "test"]
+    wanted = {"leaderboard": {"make leaderboard", "make quick"}, "test": {"make check", "make test"}}
+    for path in WORKFLOWS:
+        assert wanted[path.stem] <= {step.get("run") for step in steps(path)}
+
+
+@pytest.mark.parametrize("workflow", WORKFLOWS, ids=lambda path: path.stem)
+def test_a_workflow_runs_what_there_is_with_the_least_rights(workflow: Path) -> None:
+    content = read(workflow)
+    assert content["permissions"] == {"contents": "read"}
+    assert "pull_request_target" not in content[True]  # YAML 1.1 takes the key `on` for a truth value
+    for step in steps(workflow):
+        if "run" in step:
+            check_command(step["run"])
+        else:
+            assert re.fullmatch(r"actions/[a-z-]+@[0-9a-f]{40}", step["uses"]), step
+        if step.get("uses", "").startswith("actions/checkout"):
+            assert step["with"] == {"persist-credentials": False}
+    assert all("timeout-minutes" in job for job in content["jobs"].values())
+
+
+def test_the_oldest_python_is_tested() -> None:
+    pythons = read(ROOT / ".github" / "workflows" / "test.yml")["jobs"]["test"]["strategy"]["matrix"]["python"]
+    oldest = re.search(r'requires-python = ">=([\d.]+)"', (ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    assert oldest
+    assert pythons[0] == oldest.group(1)
+
+
+def test_artifacts_are_where_the_commands_write() -> None:
+    uploads = [step["with"] for step in steps(WORKFLOWS[0]) if "upload-artifact" in step.get("uses", "")]
+    assert [each["path"].split() for each in uploads] == [
+        ["leaderboard/*.csv", "leaderboard/leaderboard.md", "leaderboard/figures/"],
+        ["build/quick/"],
+    ]
+
+
+def test_citation() -> None:
+    citation = read(ROOT / "CITATION.cff")
+    assert citation["cff-version"] == "1.2.0"
+    assert citation["version"] == fo_gym.__version__
+    assert citation["authors"] == [{"name": "The fo-gym authors"}]
+    assert citation["license"] == "MIT"
+    assert {"message", "title", "type"} <= set(citation)
+    (paper,) = citation["references"]
+    assert paper["identifiers"][0]["description"] == "arXiv:1907.00553"
+    names = [author["family-names"] for author in paper["authors"]]
+    assert names == ["Kim", "Beck", "Ott", "Albu-Schäffer"]
+
+
+def test_hooks_are_the_tools_of_make_check() -> None:
+    hooks = [hook for repo in read(ROOT / ".pre-commit-config.yaml")["repos"] for hook in repo["hooks"]]
+    tools = [hook["entry"].split()[0] for hook in hooks]
+    assert tools == [".venv/bin/ruff", ".venv/bin/ruff", ".venv/bin/mypy"]
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    for tool in tools:
+        assert tool.replace(".venv/bin", "$(BIN)") in makefile
+
+
+def test_the_page_names_what_exists() -> None:
+    links = re.findall(r"\]\(([^)#:]+)\)", PAGE)
+    assert [link for link in links if not (ROOT / "docs" / link).exists()] == []
+    files = re.findall(r"`((?:fo_gym|baselines|tests|examples)/[\w./]+)`", PAGE)
+    files += re.findall(r"`([\w-]+\.(?:txt|md))`", PAGE)
+    assert len(files) >= 4
+    assert [name for name in files if not (ROOT / name).exists()] == []
+    commands = [line.partition("#")[0] for line in re.findall(r"^    ((?:make|\.venv/bin/fo-gym) .*)$", PAGE, re.M)]
+    commands += re.findall(r"`((?:make|fo-gym) [^`]*)`", PAGE)
+    assert len(commands) >= 7
+    for command in commands:
+        check_command(command)
+        environments = re.findall(r"--env (\S+)", command)
+        assert set(environments) <= set(fo_gym.ENVIRONMENTS)
+
+
+def test_the_page_tells_all_environments_variants_protocols_and_columns() -> None:
+    named = set(re.findall(r"`([\w-]+)`", PAGE))
+    assert {*fo_gym.ENVIRONMENTS, *VARIANTS, *STANDING} - {"verdict"} <= named
+    assert all(f"fo_gym/protocols/{name}.toml" in PAGE for name in shipped_protocols())
+
+
+def test_the_page_tells_the_seeds() -> None:
+    table = re.sub(r"(?<=\d) (?=\d{3}\b)", "", PAGE)
+    ranges = [value for value in vars(seeds).values() if isinstance(value, range)]
+    assert len(ranges) >= 3
+    for each in ranges:
+        assert f"| {each[0]} ... {each[-1]} |" in table
+
+
+def test_the_entry_of_the_page_is_one(tmp_path: Path) -> None:
+    (entry,) = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
+    (tmp_path / "mine.toml").write_text(entry, encoding="utf-8")
+    shutil.copy(ROOT / "examples" / "bang_bang.py", tmp_path)
+    competitor = load_entry(tmp_path / "mine.toml")
+    assert (competitor.name, competitor.authors) == ("mine", ("A. Author",))
+    assert competitor.make(fo_gym.ENVIRONMENTS[0], "nominal").feedback == "measured"

@@ -1,0 +1,176 @@
+"""Tuning: the search, its budget, what it chooses and leaves, and searches that were killed."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pandas as pd
+import pytest
+from typer.testing import CliRunner
+
+from fo_gym import make_compensator
+from fo_gym.cli import app
+from fo_gym.evaluation.entry import load_entry
+from fo_gym.evaluation.seeds import LEADERBOARD_SEEDS, TRAINING_SEEDS, TUNING_SEEDS, VALIDATION_SEEDS
+from fo_gym.tuning import study as study_module
+from fo_gym.tuning.run import tune
+from fo_gym.tuning.space import default_gains, search_space
+from fo_gym.tuning.study import Case, run_study
+
+STICTION = "FJRStiction-v0"
+CASE = Case("pid-high", STICTION, "randomized", trials=12, episodes=2, seed=0)
+BEST = {"L": 200.0, "Lp": 40.0, "Li": 300.0}
+
+
+def quality(gains):
+    """A smooth score with its best at BEST."""
+    return 1.0 - 0.1 * sum(math.log(gains[name] / best) ** 2 for name, best in BEST.items())
+
+
+@pytest.fixture
+def synthetic(monkeypatch):
+    """A score without simulation, which notes the seeds that it was made for and the gains that it saw."""
+    seen = {"seeds": [], "gains": []}
+
+    class Scorer:
+        def __init__(self, case, seeds):
+            seen["seeds"].append(seeds)
+
+        def __call__(self, gains):
+            seen["gains"].append(dict(gains))
+            return seen.get("quality", quality)(gains)
+
+    monkeypatch.setattr(study_module, "_Scorer", Scorer)
+    return seen
+
+
+class TestSearch:
+    def test_it_starts_from_what_was_published_and_gets_better(self, synthetic, tmp_path):
+        outcome = run_study(CASE, tmp_path)
+        first = outcome.trials.iloc[0]
+        assert {name: first[name] for name in BEST} == {"L": 100.0, "Lp": 20.0, "Li": 100.0}
+        assert outcome.trials["frr_tuning"].max() > first["frr_tuning"]
+        assert quality(outcome.gains) == outcome.trials["frr_validation"].max()
+
+    def test_only_trials_that_the_compensator_accepts_count(self, synthetic, tmp_path):
+        outcome = run_study(CASE, tmp_path)
+        assert len(outcome.trials) == CASE.trials
+        for gains in outcome.trials[list(BEST)].to_dict("records"):
+            make_compensator("pid-high", **gains)
+        for name, (low, high) in search_space("pid-high").items():
+            assert outcome.trials[name].between(low, high).all()
+
+    def test_where_nothing_is_better_the_published_gains_stay(self, synthetic, tmp_path):
+        synthetic["quality"] = lambda gains: float(gains == default_gains("pid-high"))
+        assert dict(run_study(CASE, tmp_path).gains) == default_gains("pid-high")
+
+    def test_seeds_of_the_leaderboard_are_never_used(self, synthetic, tmp_path):
+        run_study(CASE, tmp_path)
+        tuning, validation = synthetic["seeds"]
+        assert tuning == tuple(TUNING_SEEDS[:2])
+        assert validation == tuple(VALIDATION_SEEDS[: study_module.FINAL_EPISODES])
+        splits = (TRAINING_SEEDS, VALIDATION_SEEDS, TUNING_SEEDS, LEADERBOARD_SEEDS)
+        for one in splits:
+            for other in splits:
+                assert one is other or one.stop <= other.start or other.stop <= one.start
+
+    def test_finalists_meet_again_on_validation_seeds(self, synthetic, tmp_path):
+        trials = run_study(CASE, tmp_path).trials
+        met = trials[trials["frr_validation"].notna()]
+        expected = {0, *trials["frr_tuning"].nlargest(study_module.FINALISTS).index}
+        assert set(met.index) == expected
+
+    def test_a_killed_search_goes_on_as_if_it_had_not_been(self, synthetic, tmp_path):
+        def stop(gains):
+            if len(synthetic["gains"]) == 5:
+                raise KeyboardInterrupt
+            return quality(gains)
+
+        whole = run_study(CASE, tmp_path / "whole").trials
+        synthetic["gains"].clear()
+        synthetic["quality"] = stop
+        with pytest.raises(KeyboardInterrupt):
+            run_study(CASE, tmp_path / "killed")
+        synthetic["quality"] = quality
+        pd.testing.assert_frame_equal(run_study(CASE, tmp_path / "killed").trials, whole)
+
+    def test_a_finished_search_is_not_repeated(self, synthetic, tmp_path):
+        run_study(CASE, tmp_path)
+        synthetic["gains"].clear()
+        run_study(CASE, tmp_path)
+        assert len(synthetic["gains"]) <= 1 + study_module.FINALISTS
+
+    def test_another_seed_is_another_search(self, synthetic, tmp_path):
+        one, other = (run_study(Case(*astuple(CASE)[:-1], seed), tmp_path).trials for seed in (0, 1))
+        assert (one["L"] != other["L"]).any()
+
+
+def astuple(case):
+    return (case.spec, case.env_id, case.variant, case.trials, case.episodes, case.seed)
+
+
+class TestRuns:
+    def test_a_lost_episode_counts_as_lost_however_badly(self, monkeypatch):
+        case = Case("pid-high", STICTION, "randomized", 1, 2, 0)
+        monkeypatch.setattr(study_module, "rows", lambda *_: pd.DataFrame({"frr": [0.5, -40.0]}))
+        assert study_module._Scorer(case, (1, 2))({"L": 100.0}) == pytest.approx((0.5 - 1.0) / 2)
+        monkeypatch.setattr(study_module, "rows", lambda *_: pd.DataFrame({"frr": [0.5, np.nan]}))
+        assert study_module._Scorer(case, (1, 2))({"L": 100.0}) == pytest.approx((0.5 - 1.0) / 2)
+
+    def test_the_command_writes_an_entry_that_protocols_take(self, tmp_path):
+        arguments = ["tune", "letien-high", "--env", STICTION, "--trials", "2", "--episodes", "1"]
+        outputs = []
+        for jobs in ("1", "2"):
+            out = tmp_path / jobs
+            done = CliRunner().invoke(app, [*arguments, "--out", str(out), "--jobs", jobs])
+            assert done.exit_code == 0, done.output
+            outputs.append({file.relative_to(out): file.read_bytes() for file in out.rglob("*.[ct][so][vm]*")})
+        assert outputs[0] == outputs[1]
+        assert len(outputs[0]) == 3
+        entry = load_entry(tmp_path / "1" / "letien-tuned.toml")
+        assert (entry.name, entry.spec) == ("letien-tuned", "letien-high")
+        assert set(entry.sets) == {(STICTION, variant) for variant in ("nominal", "randomized", "hardware")}
+        assert entry.gains_on(STICTION, "nominal") == entry.gains_on(STICTION, "randomized")
+        trials = pd.read_csv(tmp_path / "1" / "letien-tuned" / f"{STICTION}-hardware.csv")
+        chosen = trials.loc[trials["frr_validation"].idxmax(), "L"]
+        assert entry.gains_on(STICTION, "hardware")["L"] == pytest.approx(chosen, rel=1e-5)
+
+    def test_progress_is_told(self, synthetic, tmp_path):
+        told = []
+        tune([Case("pid-high", STICTION, "hardware", 2, 1, 0)], "x", tmp_path, on_case=told.append)
+        assert told[0].startswith(f"{STICTION} hardware: ")
+
+
+class TestErrors:
+    def test_a_compensator_without_gains_to_tune(self):
+        with pytest.raises(ValueError, match=r"'none' declares no gains to tune; give its class an attribute"):
+            search_space("none")
+
+    def test_a_range_that_makes_no_sense(self, tmp_path):
+        file = tmp_path / "mine.py"
+        file.write_text(
+            "class Mine:\n"
+            "    feedback = 'measured'\n"
+            "    search_space = {'k': (2.0, 1.0)}\n"
+            "    def reset(self, joints, num_envs): ...\n"
+            "    def estimate(self, signals): ...\n"
+        )
+        with pytest.raises(ValueError, match=r"search_space\['k'\] is \(2.0, 1.0\); give 0 < low < high"):
+            search_space(f"{file}:Mine")
+        file.write_text(file.read_text().replace("(2.0, 1.0)", "(1.0, 2.0)"))
+
+    @pytest.mark.parametrize(
+        ("arguments", "message"),
+        [
+            (["pid-high", "--trials", "0"], "trials is 0"),
+            (["pid-high", "--variant", "nominal"], "'nominal' is one episode"),
+            (["none"], "declares no gains"),
+            (["nobody"], "unknown compensator 'nobody'"),
+            (["pid-high", "--jobs", "0"], "--jobs is 0"),
+        ],
+    )
+    def test_the_command_says_what_is_wrong(self, arguments, message, tmp_path):
+        done = CliRunner().invoke(app, ["tune", *arguments, "--out", str(tmp_path), "--env", STICTION])
+        assert done.exit_code == 2
+        assert message in done.output.replace("\n", " ")
