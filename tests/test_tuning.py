@@ -69,7 +69,7 @@ class TestSearch:
         run_study(CASE, tmp_path)
         tuning, validation = synthetic["seeds"]
         assert tuning == tuple(TUNING_SEEDS[:2])
-        assert validation == tuple(VALIDATION_SEEDS[: study_module.FINAL_EPISODES])
+        assert validation == tuple(VALIDATION_SEEDS[: CASE.final_episodes])
         splits = (TRAINING_SEEDS, VALIDATION_SEEDS, TUNING_SEEDS, LEADERBOARD_SEEDS)
         for one in splits:
             for other in splits:
@@ -119,7 +119,18 @@ class TestRuns:
         assert study_module._Scorer(case, (1, 2))({"L": 100.0}) == pytest.approx((0.5 - 1.0) / 2)
 
     def test_the_command_writes_an_entry_that_protocols_take(self, tmp_path):
-        arguments = ["tune", "letien-high", "--env", STICTION, "--trials", "2", "--episodes", "1"]
+        arguments = [
+            "tune",
+            "letien-high",
+            "--env",
+            STICTION,
+            "--trials",
+            "2",
+            "--episodes",
+            "1",
+            "--final-episodes",
+            "1",
+        ]
         outputs = []
         for jobs in ("1", "2"):
             out = tmp_path / jobs

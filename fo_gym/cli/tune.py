@@ -23,6 +23,7 @@ def run_tune(
     variant: Annotated[list[str] | None, typer.Option(help="Variant, repeatable; randomized and hardware.")] = None,
     trials: Annotated[int, typer.Option(help="Sets of gains to try on each environment and variant.")] = 24,
     episodes: Annotated[int, typer.Option(help="Episodes of every trial.")] = 6,
+    final_episodes: Annotated[int, typer.Option(help="Validation episodes of each finalist.")] = 20,
     seed: Annotated[int, typer.Option(help="Seed of the search.")] = 0,
     name: Annotated[str | None, typer.Option(help="What to call the result; by default COMPENSATOR-tuned.")] = None,
     out: Annotated[Path, typer.Option(file_okay=False, help="Folder; a killed search goes on there.")] = Path(
@@ -52,7 +53,7 @@ def run_tune(
     name = name or re.sub(r"\W+", "-", compensator.removesuffix("-high").removesuffix("-low")).strip("-") + "-tuned"
     try:
         cases = [
-            Case(compensator, env_id, each, trials, episodes, seed)
+            Case(compensator, env_id, each, trials, episodes, seed, final_episodes)
             for env_id in env or fo_gym.ENVIRONMENTS
             for each in variant or VARIANTS
         ]

@@ -20,15 +20,12 @@ from fo_gym.evaluation.seeds import TUNING_SEEDS, VALIDATION_SEEDS, first
 from fo_gym.tuning.space import default_gains, search_space
 
 FINALISTS = 3
-FINAL_EPISODES = 20
-"""Validation episodes of each finalist: more than of a trial, since fast gains may ring in one episode of twenty."""
-
 WORST = -1.0
 """What an episode counts at least: one that is lost is lost, however badly."""
 
 OnTrial = Callable[[str], None]
 
-__all__ = ["FINALISTS", "FINAL_EPISODES", "WORST", "Case", "Outcome", "run_study"]
+__all__ = ["FINALISTS", "WORST", "Case", "Outcome", "run_study"]
 
 
 @dataclass(frozen=True)
@@ -41,6 +38,8 @@ class Case:
         trials: sets of gains that are tried; those that the compensator refuses cost nothing and do not count.
         episodes: of every trial; their seeds are the first tuning seeds.
         seed: of the search.
+        final_episodes: validation episodes of each finalist; more than of a trial, since fast gains may ring in one
+            episode of twenty.
     """
 
     spec: str
@@ -49,9 +48,10 @@ class Case:
     trials: int
     episodes: int
     seed: int
+    final_episodes: int = 20
 
     def __post_init__(self) -> None:
-        for name in ("trials", "episodes"):
+        for name in ("trials", "episodes", "final_episodes"):
             if getattr(self, name) < 1:
                 raise ValueError(f"{name} is {getattr(self, name)}; it must be at least 1")
         if self.variant == "nominal":
@@ -157,7 +157,7 @@ def _complete(study: optuna.Study) -> list[FrozenTrial]:
 def _choose(case: Case, study: optuna.Study) -> Outcome:
     complete = _complete(study)[: case.trials]
     best = sorted(complete, key=lambda trial: trial.value or WORST, reverse=True)[:FINALISTS]
-    score = _Scorer(case, first(VALIDATION_SEEDS, FINAL_EPISODES))
+    score = _Scorer(case, first(VALIDATION_SEEDS, case.final_episodes))
     finals = {trial.number: score(trial.params) for trial in {t.number: t for t in [complete[0], *best]}.values()}
     table = [
         {"trial": place, **trial.params, "frr_tuning": trial.value, "frr_validation": finals.get(trial.number)}
