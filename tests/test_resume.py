@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -157,7 +158,11 @@ def test_ctrl_c_ends_the_workers_too(folder: Path) -> None:
     only(folder, "small-signalled.toml", '"theirs.py:Signalled", "pd-low"')
     options = ["--protocol", "small-signalled.toml", "--out", "signalled-out", "--store", "kept", "--jobs", "2"]
     arguments = [*command()[:4], *options]
-    first = subprocess.run(arguments, capture_output=True, text=True, check=False, start_new_session=True, timeout=60)
+    # What a shell starts in the background, as these tests may be, inherits that Ctrl-C is ignored.
+    attended = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
+    first = subprocess.run(
+        arguments, capture_output=True, text=True, check=False, start_new_session=True, timeout=60, preexec_fn=attended
+    )
     assert first.returncode == 130, first.stderr
     assert "interrupted; finished runs are kept in kept" in first.stderr
     assert "Traceback" not in first.stderr
