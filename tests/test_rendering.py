@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import gc
 import os
 import pickle
 from dataclasses import replace
@@ -24,6 +25,12 @@ from fo_gym.plant import Robot
 
 IDS = ("FJRStiction-v0", "FJRRegulation-v0", "FJRSquare-v0")
 STICTION_ID, _, SQUARE_ID = IDS
+
+
+@pytest.fixture(autouse=True)
+def no_leftovers():
+    """Renderers that other tests left behind give back their OpenGL contexts now, not while one of these draws."""
+    gc.collect()
 
 
 @pytest.fixture
