@@ -121,7 +121,12 @@ def test_sb3_wrappers_over_it_and_training():
 @every_env
 def test_plain_sb3_on_a_single_environment(env_id):
     venv = make_dummy_vec_env(env_id, n_envs=1, seed=0, env_kwargs=KWARGS)
-    PPO("MlpPolicy", venv, n_steps=32, batch_size=32, n_epochs=1, seed=0).learn(32)
+    model = PPO("MlpPolicy", venv, n_steps=32, batch_size=32, n_epochs=1, seed=0)
+    before = {name: value.clone() for name, value in model.policy.state_dict().items()}
+    model.learn(32)
+    after = model.policy.state_dict()
+    assert any((value != before[name]).any() for name, value in after.items())
+    assert all(value.isfinite().all() for value in after.values())
 
 
 def test_pictures():
