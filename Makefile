@@ -5,9 +5,9 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 # Only what draws asks for OpenGL: importing MuJoCo with "egl" fails where there is no libEGL.
-test docs: export MUJOCO_GL ?= egl
+test test-slow docs: export MUJOCO_GL ?= egl
 
-.PHONY: leaderboard quick reproduce reproduce-quick train tune bench test check docs clean help
+.PHONY: leaderboard quick reproduce reproduce-quick train tune bench test test-slow test-all check docs clean help
 
 leaderboard: $(VENV)/.run  ## score everybody, write leaderboard/ (a few minutes on two cores)
 	$(BIN)/fo-gym leaderboard --out leaderboard
@@ -33,8 +33,13 @@ tune: $(VENV)/.tune  ## tune the classical observers as they are shipped, to bui
 bench: $(VENV)/.rl  ## measure the speed of the environments beside their peers, to docs/bench/ (minutes; close other programs)
 	$(BIN)/fo-gym bench --out docs/bench
 
-test: $(VENV)/.dev system  ## run the tests
-	$(BIN)/python -m pytest -n 2 --dist loadfile
+test: $(VENV)/.dev system  ## run the tests, without the slow ones
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m "not slow"
+
+test-slow: $(VENV)/.dev system  ## run the slow ones
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m slow
+
+test-all: test test-slow  ## run all the tests
 
 check: $(VENV)/.dev  ## ruff and mypy
 	$(BIN)/ruff check .
