@@ -9,8 +9,8 @@ Joint Acceleration", ICRA 2019, on the motor side, p = B theta' and p~ = p_hat -
 Where S_1 exceeds the rate |tau_f'|, s equals tau_f after a finite time, not only in the limit.
 
 Discrete time: implicit Euler for p~ and s, the sign included (set-valued at 0), which has a solution in closed form. It
-does not chatter: while it slides, p~ = 0 exactly and s is tau_f as its mean over the past period. tau_m is as applied,
-that is with the last estimate clipped to the torque limit.
+does not chatter: while it slides, p~ = 0 exactly and s is tau_f as its mean over the past period. tau_m is what was
+applied over the past period.
 """
 
 from __future__ import annotations
@@ -55,7 +55,6 @@ class SuperTwistingObserver:
     def reset(self, joints: JointInfo, num_envs: int) -> None:
         """Start new episodes without an estimate. The implicit step is stable at any control_dt."""
         self._inertia = joints.motor_inertia
-        self._limit = joints.torque_limit
         self._dt = joints.control_dt
         self._s = np.zeros((num_envs, joints.dof))
         self._predicted: Array | None = None
@@ -65,9 +64,9 @@ class SuperTwistingObserver:
         momentum = self._inertia * signals.theta_dot
         error = np.zeros_like(self._s)
         if self._predicted is not None:
-            error = self._correct(self._predicted - momentum)
-        tau_m = signals.tau_c - np.clip(self._s, -self._limit, self._limit)
-        self._predicted = momentum + error + self._dt * (tau_m - signals.tau_j + self._s)
+            error = self._correct(self._predicted + self._dt * signals.tau_m - momentum)
+        # What is known now of the coming period; the motor torque in it is known at its end.
+        self._predicted = momentum + error + self._dt * (self._s - signals.tau_j)
         return self._s
 
     def _correct(self, predicted: Array) -> Array:

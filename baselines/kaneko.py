@@ -13,7 +13,7 @@ holds the robot at the start, is kept out of what is cancelled; it stands for th
 would use. It is read from the torque sensor at the first tick, where the joints are in equilibrium, the only use of
 that sensor. What gravity changes after the start stays an error of (g(q_d) - g_0) / K_p.
 
-Discrete time, with p = B theta' and tau_m as applied, that is with the last estimate clipped to the torque limit:
+Discrete time, with p = B theta' and tau_m as it was applied over the past period:
 
     tau_f_hat = L (p - x),      x += control_dt (tau_m - g_0 + tau_f_hat),  x_0 = p_0
 """
@@ -50,9 +50,9 @@ class KanekoObserver:
         """Start new episodes from equilibrium. Raises ValueError where L is too fast for the sampling."""
         check_bandwidth(self, self.L, joints)
         self._inertia = joints.motor_inertia
-        self._limit = joints.torque_limit
         self._dt = joints.control_dt
         self._held: Array | None = None
+        self._estimate = np.zeros((num_envs, joints.dof))
 
     def estimate(self, signals: Signals) -> Array:
         """tau_f_hat, (num_envs, dof), N or N m."""
@@ -60,10 +60,10 @@ class KanekoObserver:
         if self._held is None:
             self._held = signals.tau_j.copy()
             self._momentum = momentum
-        estimate = self.L * (momentum - self._momentum)
-        tau_m = signals.tau_c - np.clip(estimate, -self._limit, self._limit)
-        self._momentum = self._momentum + self._dt * (tau_m - self._held + estimate)
-        return estimate
+        else:
+            self._momentum = self._momentum + self._dt * (signals.tau_m - self._held + self._estimate)
+        self._estimate = self.L * (momentum - self._momentum)
+        return self._estimate
 
 
 def kaneko(**gains: Any) -> KanekoObserver:

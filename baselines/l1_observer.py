@@ -11,7 +11,7 @@ its own (not the suite's theta_n) and e = theta_p - theta:
 
 so that sigma_hat / tau_f is about (s + G_p) G / (s^2 + G s + G G_p), near 1 up to G. Discrete time, dt = control_dt:
 the low-pass is exact for an input that is held over the past period, theta_p by the semi-implicit Euler step that
-sigma_hat's form is derived from. tau_f_hat enters the predictor as it is applied, clipped to the torque limit.
+sigma_hat's form is derived from. The predictor moves with tau_m = tau_c - tau_f_hat as the motor got it.
 """
 
 from __future__ import annotations
@@ -61,25 +61,24 @@ class L1Observer:
                 f"keep Gp at most {_LARGEST_STEP / dt:.6g} 1/s, or sample faster"
             )
         self._inertia = joints.motor_inertia
-        self._limit = joints.torque_limit
         self._dt = dt
         self._gain = self.G / (1.0 + self.G * dt)
         self._share = -np.expm1(-self.K * dt)
-        self._filtered = np.zeros((num_envs, joints.dof))
+        self._filtered, self._rest = np.zeros((2, num_envs, joints.dof))
         self._theta: Array | None = None
 
     def estimate(self, signals: Signals) -> Array:
         """tau_f_hat, (num_envs, dof), N or N m."""
-        if self._theta is None:
-            self._theta, self._theta_dot = signals.theta, signals.theta_dot
         dt = self._dt
+        if self._theta is None:
+            self._theta, self._theta_dot = signals.theta.copy(), signals.theta_dot.copy()
+        else:
+            self._theta_dot = self._theta_dot + dt * (signals.tau_m + self._rest) / self._inertia
+            self._theta = self._theta + dt * self._theta_dot
         e, e_dot = self._theta - signals.theta, self._theta_dot - signals.theta_dot
         sigma = -self._inertia * self._gain * ((1.0 + self.Gp * dt) * e_dot + self.Gp * e)
         self._filtered = self._filtered + self._share * (sigma - self._filtered)
-        applied = np.clip(self._filtered, -self._limit, self._limit)
-        acceleration = (signals.tau_c - signals.tau_j + sigma - applied) / self._inertia
-        self._theta_dot = self._theta_dot + dt * acceleration
-        self._theta = self._theta + dt * self._theta_dot
+        self._rest = sigma - signals.tau_j  # what moves the predictor over the coming period, beside the motor torque
         return self._filtered
 
 

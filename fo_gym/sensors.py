@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-SIGNALS = ("theta", "theta_dot", "tau_j", "theta_n", "theta_n_dot", "theta_d", "tau_c")
-"""Order of the observation's blocks, each of length dof; the task's reference follows."""
+SIGNALS = ("theta", "theta_dot", "tau_j", "theta_n", "theta_n_dot", "theta_d", "tau_c", "tau_m")
+"""Order of the observation's blocks, each of length dof; one value of time and the task's reference follow."""
 
 TIERS = {
     "joint": frozenset(SIGNALS),
@@ -36,6 +36,9 @@ class Signals:
         theta_n, theta_n_dot: nominal motor, B theta_n'' + tau_j = tau_c [ju, ju/s].
         theta_d: desired motor position [ju].
         tau_c: control torque that the coming step applies [N | N m].
+        tau_m: motor torque as applied, late and clipped as the motors take it, its mean over the past step [N | N m].
+            At the first tick, what has been holding the joints in equilibrium.
+        time: since the start of the episode, (..., 1) [s]; 0 at the first tick.
         reference: the task's own reference, (..., k): the desired tool position [m] on the square, else k = 0.
         available: names of the signals that the sensors provide; the others are zero.
     """
@@ -47,12 +50,14 @@ class Signals:
     theta_n_dot: Array
     theta_d: Array
     tau_c: Array
+    tau_m: Array
+    time: Array
     reference: Array
     available: frozenset[str] = field(default=frozenset(SIGNALS))
 
     @classmethod
     def from_observation(cls, obs: Array, dof: int, available: frozenset[str] = frozenset(SIGNALS)) -> Signals:
-        """Views into an observation (..., 7 dof + k), without copies; leading axes are kept.
+        """Views into an observation (..., 8 dof + 1 + k), without copies; leading axes are kept.
 
         Args:
             obs: what the environment gave.
@@ -62,12 +67,8 @@ class Signals:
         Raises:
             ValueError: the observation is too short for `dof` joints.
         """
-        if obs.shape[-1] < len(SIGNALS) * dof:
-            raise ValueError(
-                f"observation has {obs.shape[-1]} values; {dof} joint(s) need at least {len(SIGNALS) * dof}"
-            )
-        theta, theta_dot, tau_j, theta_n, theta_n_dot, theta_d, tau_c = (
-            obs[..., start : start + dof] for start in range(0, len(SIGNALS) * dof, dof)
-        )
-        reference = obs[..., len(SIGNALS) * dof :]
-        return cls(theta, theta_dot, tau_j, theta_n, theta_n_dot, theta_d, tau_c, reference, available)
+        end = len(SIGNALS) * dof
+        if obs.shape[-1] <= end:
+            raise ValueError(f"observation has {obs.shape[-1]} values; {dof} joint(s) need at least {end + 1}")
+        blocks = {name: obs[..., i * dof : (i + 1) * dof] for i, name in enumerate(SIGNALS)}
+        return cls(**blocks, time=obs[..., end : end + 1], reference=obs[..., end + 1 :], available=available)

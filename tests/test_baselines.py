@@ -30,7 +30,7 @@ def joints(motor_inertia, dof, control_dt=DT):
 
 
 def random_signals(rng, num_envs, dof):
-    return fo_gym.Signals.from_observation(rng.normal(size=(num_envs, 7 * dof)), dof)
+    return fo_gym.Signals.from_observation(rng.normal(size=(num_envs, 8 * dof + 1)), dof)
 
 
 def formula(history, inertia, L, Lp=0.0, Li=0.0):
@@ -109,7 +109,7 @@ def test_frequency_response(name):
     inertia, tau_c, tau_j = 2.0, 3.0, 1.0
     observer = fo_gym.make_compensator(name)
     observer.reset(joints([inertia], 1, dt), len(w))
-    obs = np.zeros((len(w), 7))
+    obs = np.zeros((len(w), 9))
     signals = fo_gym.Signals.from_observation(obs, 1)
     theta, theta_dot, theta_n, theta_n_dot = obs[:, [0]], obs[:, [1]], obs[:, [3]], obs[:, [4]]
     friction = 1.0 + np.sin(w * (np.arange(steps)[:, None] + 0.5) * dt)  # its mean over each period

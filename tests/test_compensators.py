@@ -105,7 +105,7 @@ def test_references_are_measured_and_silent(name: str, kind: type) -> None:
     assert reference.feedback == "measured"
     joints = fo_gym.JointInfo(2, np.ones((3, 2)), np.ones((3, 2)), np.ones((3, 2)), 1e-3)
     reference.reset(joints, 3)
-    answer = reference.estimate(fo_gym.Signals.from_observation(np.ones((3, 14)), 2))
+    answer = reference.estimate(fo_gym.Signals.from_observation(np.ones((3, 17)), 2))
     np.testing.assert_array_equal(answer, np.zeros((3, 2)))
 
 

@@ -54,11 +54,11 @@ def joints(dof=7, control_dt=DT, inertia=1.3, limit=1e9):
 
 
 def random_observations(ticks, num_envs, dof=7, seed=0):
-    return np.random.default_rng(seed).normal(size=(ticks, num_envs, 7 * dof))
+    return np.random.default_rng(seed).normal(size=(ticks, num_envs, 8 * dof + 1))
 
 
 def answers(observer, observations, info):
-    """Estimates (ticks, num_envs, dof) over observations (ticks, num_envs, 7 dof)."""
+    """Estimates (ticks, num_envs, dof) over observations (ticks, num_envs, 8 dof + 1)."""
     observer.reset(info, observations.shape[1])
     return np.array([observer.estimate(fo_gym.Signals.from_observation(obs.copy(), info.dof)) for obs in observations])
 
@@ -66,12 +66,13 @@ def answers(observer, observations, info):
 def on_a_motor(observer, friction, tau_j, tau_c, dt=DT, inertia=1.3, limit=1e9):
     """Estimates while `observer` compensates a motor under these torques, each (ticks,) and held over its period."""
     observer.reset(joints(1, dt, inertia, limit), 1)
-    theta = theta_dot = theta_n = theta_n_dot = 0.0
+    theta = theta_dot = theta_n = theta_n_dot = tau_m = 0.0
     estimates = np.empty(len(friction))
     for k in range(len(friction)):
-        row = np.array([[theta, theta_dot, tau_j[k], theta_n, theta_n_dot, 0.0, tau_c[k]]])
+        row = np.array([[theta, theta_dot, tau_j[k], theta_n, theta_n_dot, 0.0, tau_c[k], tau_m, k * dt]])
         estimates[k] = observer.estimate(fo_gym.Signals.from_observation(row, 1))[0, 0]
-        a = (tau_c[k] - np.clip(estimates[k], -limit, limit) - tau_j[k] + friction[k]) / inertia
+        tau_m = tau_c[k] - np.clip(estimates[k], -limit, limit)
+        a = (tau_m - tau_j[k] + friction[k]) / inertia
         a_n = (tau_c[k] - tau_j[k]) / inertia
         theta, theta_dot = theta + dt * theta_dot + 0.5 * dt**2 * a, theta_dot + dt * a
         theta_n, theta_n_dot = theta_n + dt * theta_n_dot + 0.5 * dt**2 * a_n, theta_n_dot + dt * a_n
@@ -267,7 +268,7 @@ def test_lugre_against_a_stiff_solver():
 @pytest.mark.parametrize("speed", [1e-9, 1e-3, 1.0, 1e6])
 def test_lugre_holds_at_any_speed(speed):
     """At constant velocity it is the steady friction."""
-    observations = np.zeros((30_000, 1, 7))
+    observations = np.zeros((30_000, 1, 9))
     observations[:, :, 1] = speed
     final = answers(lugre_nominal(k=0.0), observations, joints(1))[-1, 0, 0]
     steady = float(IDENTIFIED[1].steady(speed)) if speed > 1e-8 else -1e5 * 30_000 * DT * speed

@@ -17,7 +17,7 @@ from stable_baselines3.common.env_checker import check_env as check_sb3_env
 
 import fo_gym
 
-ORDER = ("theta", "theta_dot", "tau_j", "theta_n", "theta_n_dot", "theta_d", "tau_c")
+ORDER = ("theta", "theta_dot", "tau_j", "theta_n", "theta_n_dot", "theta_d", "tau_c", "tau_m")
 
 # Deliberate: actions are torques in physical units, observations are in physical units and unbounded, all in float64.
 GYMNASIUM_TOLERATED = {
@@ -56,11 +56,12 @@ def test_signals_are_views_in_the_documented_order(env_id):
         for i, name in enumerate(ORDER):
             np.testing.assert_array_equal(getattr(signals, name), obs[..., i * dof : (i + 1) * dof])
             assert np.shares_memory(getattr(signals, name), obs)
-        np.testing.assert_array_equal(signals.reference, obs[..., 7 * dof :])
+        np.testing.assert_array_equal(signals.time, obs[..., 8 * dof : 8 * dof + 1])
+        np.testing.assert_array_equal(signals.reference, obs[..., 8 * dof + 1 :])
         assert signals.reference.shape[-1] == (3 if env_id == SQUARE_ID else 0)
         assert signals.available == set(ORDER)
-    with pytest.raises(ValueError, match=f"{7 * dof - 1} values.*at least {7 * dof}"):
-        fo_gym.Signals.from_observation(batch[..., : 7 * dof - 1], dof)
+    with pytest.raises(ValueError, match=f"{8 * dof} values.*at least {8 * dof + 1}"):
+        fo_gym.Signals.from_observation(batch[..., : 8 * dof], dof)
 
 
 @every_env
@@ -104,6 +105,30 @@ def test_actions_are_clipped_to_the_torque_limit(env_id):
         obs, *_, info = env.step(7.0 * sign * limit)
         np.testing.assert_array_equal(obs, clipped.step(sign * limit)[0])
         np.testing.assert_array_equal(info["tau_m"], sign * limit if mode == "torque" else tau_c - sign * limit)
+
+
+@every_env
+def test_observation_tells_the_time_and_what_the_motors_got(env_id):
+    """At first what held the joints, tau_j; then tau_m's mean over the step, clipped and late as the motors take it."""
+    dof = make(env_id).simulation.dof
+    fast, slow = (make(env_id, variant="hardware", decimation=n) for n in (1, 5))
+    obs, _ = fast.reset(seed=3)
+    first = fo_gym.Signals.from_observation(obs, dof)
+    np.testing.assert_array_equal(first.time, [0.0])
+    np.testing.assert_array_equal(first.tau_m, fast.simulation.plant.tau_j[0])
+    slow.reset(seed=3)
+    beyond = -2.0 * fast.action_space.high  # more than the motors of the hardware variant give
+    ticks = []
+    for k in range(1, 6):
+        obs, _, _, _, info = fast.step(beyond)
+        signals = fo_gym.Signals.from_observation(obs, dof)
+        np.testing.assert_array_equal(signals.tau_m, info["tau_m"])
+        np.testing.assert_allclose(signals.time, [k * 1e-3], rtol=1e-15)
+        ticks.append(signals.tau_m)
+    assert np.all(ticks[-1] <= fast.action_space.high)
+    signals = fo_gym.Signals.from_observation(slow.step(beyond)[0], dof)
+    np.testing.assert_allclose(signals.tau_m, np.mean(ticks, axis=0), rtol=1e-13)
+    np.testing.assert_allclose(signals.time, [5e-3], rtol=1e-15)
 
 
 @every_env

@@ -287,7 +287,7 @@ class TestTiers:
         action = 0.01 * env.action_space.high
         obs, *_ = env.step(action)
         signals = Signals.from_observation(obs, dof, env.available)
-        assert signals.available == {"theta", "theta_dot", "theta_d", "tau_c"}
+        assert signals.available == {"theta", "theta_dot", "theta_d", "tau_c", "tau_m"}
         for name in ("tau_j", "theta_n", "theta_n_dot"):
             assert not getattr(signals, name).any()
         reference = Signals.from_observation(full.step(action)[0], dof)
@@ -329,7 +329,7 @@ class TestTiers:
                 return self.zero
 
         fo_gym.evaluate(Curious, STICTION, sensors="motor", duration=0.01)
-        assert set(heard) == {frozenset({"theta", "theta_dot", "theta_d", "tau_c"})}
+        assert set(heard) == {frozenset({"theta", "theta_dot", "theta_d", "tau_c", "tau_m"})}
 
 
 @pytest.mark.parametrize(

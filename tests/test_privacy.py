@@ -45,7 +45,7 @@ def test_no_compensator_sees_the_truth(env_id: str) -> None:
         _, _, _, _, info = env.step(np.zeros((2, DOF[env_id])))
     episodes(env_id, (7, 8)).record(spy, "spy")
 
-    expected = {f"signals.{name}" for name in (*SIGNALS, "reference", "available")}
+    expected = {f"signals.{name}" for name in (*SIGNALS, "time", "reference", "available")}
     expected |= {f"joints.{name}" for name in ("dof", "motor_inertia", "stiffness", "torque_limit", "control_dt")}
     assert {path for path in seen if not path.endswith(".base")} == expected
     simulation = env.unwrapped.simulation
@@ -65,7 +65,7 @@ def test_no_compensator_sees_the_truth(env_id: str) -> None:
 
 def test_it_does_see_what_it_should() -> None:
     """The search above finds a value that is there."""
-    signals = Signals.from_observation(np.array([np.arange(8.0)]), 1)
+    signals = Signals.from_observation(np.array([np.arange(10.0)]), 1)
     found = contents(signals, "signals")
     assert found["signals.tau_c"] == 6.0
     assert found["signals.tau_c.base"].shape == (1, 8)

@@ -39,7 +39,7 @@ def joints(limit=1e-3, control_dt=DT):
 
 def history(ticks=20, seed=0, factor=1.0):
     rng = np.random.default_rng(seed)
-    return [Signals.from_observation(factor * rng.normal(size=(ENVS, 7 * DOF)), DOF) for _ in range(ticks)]
+    return [Signals.from_observation(factor * rng.normal(size=(ENVS, 8 * DOF + 1)), DOF) for _ in range(ticks)]
 
 
 def network(seed=0, squash="clip", scale=1.0):
@@ -322,17 +322,18 @@ class OnTheSolver:
 
     def __init__(self, dt=1e-3):
         self.dt, self.theta_d = dt, 0.01
-        self.theta_n = self.theta_n_dot = 0.0
+        self.theta_n = self.theta_n_dot = self.tau_m = self.time = 0.0
         self.policy = rl_residual()
         self.policy.reset(fo_gym.JointInfo(1, np.ones(1), np.full(1, 3e3), np.full(1, 10.0), dt), 1)
 
     def __call__(self, theta, v, tau_j):
         tau_c = -50.0 * (self.theta_n - self.theta_d) - 5.0 * self.theta_n_dot
-        values = (theta[0], v[0], tau_j[0], self.theta_n, self.theta_n_dot, self.theta_d, tau_c)
+        values = (theta[0], v[0], tau_j[0], self.theta_n, self.theta_n_dot, self.theta_d, tau_c, self.tau_m, self.time)
         estimate = self.policy.estimate(Signals.from_observation(np.array([values]), 1))[0]
         acceleration = tau_c - tau_j[0]
         self.theta_n += self.dt * self.theta_n_dot + 0.5 * self.dt**2 * acceleration
         self.theta_n_dot += self.dt * acceleration
+        self.tau_m, self.time = (tau_c - estimate).item(), self.time + self.dt
         return tau_c - estimate
 
 

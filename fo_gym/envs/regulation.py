@@ -72,6 +72,8 @@ class RegulationEnv(JointEnv):
     | 28-34 | theta_n_dot, nominal motor velocities    | -Inf | Inf | joint1...joint7 | rad/s |
     | 35-41 | theta_d, desired motor positions         | -Inf | Inf | joint1...joint7 | rad   |
     | 42-48 | tau_c, control torques of the coming step | -Inf | Inf | joint1...joint7 | N m   |
+    | 49-55 | tau_m, motor torques of the past step    | -Inf | Inf | joint1...joint7 | N m   |
+    | 56    | time since the start                     | -Inf | Inf |                 | s     |
 
     ## Reward
 

@@ -105,7 +105,7 @@ class Simulation:
     @property
     def observation_size(self) -> int:
         """Length of one environment's observation."""
-        return len(SIGNALS) * self.dof + self.control.reference.shape[1]
+        return len(SIGNALS) * self.dof + 1 + self.control.reference.shape[1]
 
     @property
     def joint_info(self) -> JointInfo:
@@ -168,19 +168,19 @@ class Simulation:
         limit = self.joints.torque_limit
         previous = self.tau_m
         reasons: dict[int, str] = {}
-        tau_f: Array | float = 0.0
+        sums = np.zeros((3, self.num_envs, self.dof))
         for _ in range(self.settings.decimation):
-            self._hold(action)
+            tau_m, tau_ext = self._torques(action)
             before = self.plant.snapshot()
-            self.robots.step(self.tau_m, self.tau_ext, self.ticks)
+            self.robots.step(tau_m, tau_ext, self.ticks)
             self.nominal_motor.step(self.tau_c, self.robots.tau_j, self.robots.motor_inertia)
             self.ticks += 1
             if not whereabouts(self.plant.motion, self._low, self._high, self._where):
                 self._find_ends(before, reasons)
-            tau_f = tau_f + self.plant.tau_f
+            sums += (tau_m, tau_ext, self.plant.tau_f)
             self.robots.look()
             self._update_control()
-        self.tau_f = np.asarray(tau_f / self.settings.decimation)
+        self.tau_m, self.tau_ext, self.tau_f = sums / self.settings.decimation
         distance = self.control.distance(self.plant)
         reward = rewards(self.tau_m, previous, limit, distance, self.task.accuracy, ROUGHNESS_WEIGHT)
         terminated = np.zeros(self.num_envs, dtype=bool)
@@ -188,10 +188,10 @@ class Simulation:
             terminated[list(reasons)] = True
         return reward, terminated, (self.ticks >= self.last_tick) & ~terminated, reasons
 
-    def _hold(self, action: Array) -> None:
-        """Set the torques of the coming control period."""
+    def _torques(self, action: Array) -> tuple[Array, Array]:
+        """What motors and pushes apply over the coming control period."""
         pushes, settings = self._pushes, self.settings
-        self.tau_m, self.tau_ext = torques(
+        tau_m, tau_ext = torques(
             self.ticks,
             settings.control_dt,
             pushes.time,
@@ -202,7 +202,7 @@ class Simulation:
             self.joints.torque_limit,
             self._compensates,
         )
-        self.tau_m = self.robots.command(self.tau_m)
+        return self.robots.command(tau_m), tau_ext
 
     def _find_ends(self, before: Array, reasons: dict[int, str]) -> None:
         """Note environments that left the joint range or the finite numbers; put the latter back to `before`."""
@@ -216,18 +216,19 @@ class Simulation:
         """What the joints measure and compute at the coming tick, (num_envs, observation_size); see Signals."""
         robots, nominal = self.robots, self.nominal_motor
         blocks = [robots.theta, robots.theta_dot, robots.tau_j, nominal.theta, nominal.theta_dot]
-        blocks += [self.control.theta_d, self.tau_c, self.control.reference]
+        blocks += [self.control.theta_d, self.tau_c, self.tau_m]
         if len(self.available) < len(SIGNALS):
             nothing = np.zeros_like(self.tau_c)
             for place, name in enumerate(SIGNALS):
                 blocks[place] = blocks[place] if name in self.available else nothing
-        return np.concatenate(blocks, axis=1)
+        time = self.ticks[:, None] * self.settings.control_dt
+        return np.concatenate([*blocks, time, self.control.reference], axis=1)
 
     def truth(self) -> dict[str, Array]:
         """Privileged truth for scoring and plotting, (num_envs, dof) each.
 
-        theta, theta_dot, q, q_dot, z at the new tick; tau_m and tau_ext as applied in the past control tick; tau_f,
-        its mean over the past step.
+        theta, theta_dot, q, q_dot, z at the new tick; tau_m and tau_ext as applied and tau_f, their means over the past
+        step.
         """
         q, q_dot, theta, theta_dot, z = self.plant.snapshot()
         return {

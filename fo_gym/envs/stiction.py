@@ -88,6 +88,8 @@ class StictionEnv(JointEnv):
     | 4   | theta_n_dot, nominal motor velocity                 | -Inf | Inf | joint        | m/s  |
     | 5   | theta_d, desired motor position                     | -Inf | Inf | joint        | m    |
     | 6   | tau_c, control torque of the coming step            | -Inf | Inf | joint        | N    |
+    | 7   | tau_m, motor torque applied in the past step        | -Inf | Inf | joint        | N    |
+    | 8   | time since the start                                | -Inf | Inf |              | s    |
 
     ## Reward
 

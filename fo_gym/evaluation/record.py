@@ -50,7 +50,7 @@ class Episode:
         tool_d: desired tool position, (ticks, 3), m, or None.
         tau_f_hat: estimate that was applied, (periods, dof), N or N m.
         tau_f: true friction torque, mean over each period, (periods, dof); it opposes motion.
-        tau_m, tau_ext: motor torque and external torque as applied, (periods, dof).
+        tau_m, tau_ext: motor torque and external torque as applied, means over the periods, (periods, dof).
         torque_limit: (dof,), N or N m.
         step_time: when the target last jumped, s; None where the reference moves smoothly.
         limit_cycle_window: (start, end) in s where a limit cycle is looked for, or None.

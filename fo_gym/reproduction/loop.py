@@ -101,7 +101,7 @@ def run_loop(
     at_tick = ("theta", "theta_dot", "q", "q_dot", "z")
     kept = {name: np.empty((ticks + 1, n)) for name in (*at_tick, "theta_n", "theta_n_dot")}
     held = {name: np.empty((ticks, n)) for name in ("tau_f_hat", "tau_f", "tau_j", "tau_c", "tau_m", "tau_ext")}
-    zero, empty = np.zeros((n, 1)), np.zeros((n, 0))
+    zero, empty, tau_m = np.zeros((n, 1)), np.zeros((n, 0)), plant.tau_j
     for k in range(ticks + 1):
         for name in at_tick:
             kept[name][k] = getattr(plant, name)[:, 0]
@@ -111,7 +111,8 @@ def run_loop(
         motor = nominal if compensator.feedback == "nominal" else plant
         target, tau_j = theta_d[k][:, None], plant.tau_j
         tau_c = law.torque(motor.theta, motor.theta_dot, target, zero)
-        signals = Signals(plant.theta, plant.theta_dot, tau_j, nominal.theta, nominal.theta_dot, target, tau_c, empty)
+        motors = (plant.theta, plant.theta_dot, tau_j, nominal.theta, nominal.theta_dot)
+        signals = Signals(*motors, target, tau_c, tau_m, np.full((n, 1), k * dt), empty)
         tau_f_hat = compensator.estimate(signals)
         tau_m = tau_c - tau_f_hat
         push = tau_ext[k][:, None] - damper * plant.q_dot

@@ -39,7 +39,8 @@ def _absorbed(observer: Compensator, e: Array, e_dot: Array) -> Array:
     observer.reset(JointInfo(1, inertia, stiffness, np.inf * column, _DT), n)
     estimate = np.empty((ticks - 1, n))
     for k in range(ticks - 1):
-        signals = Signals(zero, zero, zero, e[k][:, None], e_dot[k][:, None], zero, zero, np.zeros((n, 0)))
+        nominal, time = (e[k][:, None], e_dot[k][:, None]), np.full((n, 1), k * _DT)
+        signals = Signals(zero, zero, zero, *nominal, zero, zero, zero, time, np.zeros((n, 0)))
         estimate[k] = observer.estimate(signals)[:, 0]
     return np.cumsum(-estimate * np.diff(e, axis=0), axis=0)
 
