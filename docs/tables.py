@@ -10,7 +10,8 @@ import pandas as pd
 
 from fo_gym.evaluation.leaderboard import SET
 from fo_gym.evaluation.statistics import interquartile_mean, paired_difference
-from fo_gym.evaluation.tables import Ranking, finding, markdown, summary
+from fo_gym.evaluation.tables import Ranking, explained, finding, markdown, summary
+from fo_gym.files import read_csv
 from fo_gym.reproduction.report import PLACES, counts, tolerance
 from fo_gym.reproduction.run import FAILS, HOLDS
 
@@ -21,17 +22,23 @@ TUNED = ("pid-tuned", "pd-tuned", "letien-tuned")
 
 
 def leaderboard() -> str:
-    """The summary of leaderboard/leaderboard.csv as Markdown."""
-    return markdown(summary(pd.read_csv(ROOT / "leaderboard" / "leaderboard.csv")))
+    """The summary of leaderboard/leaderboard.csv as Markdown, with what its marks mean."""
+    table = _csv("leaderboard/leaderboard.csv")
+    marks = explained(table)
+    return markdown(summary(table)) + (f"\n{marks}\n" if marks else "")
 
 
 def hardware() -> str:
     """What the leaderboard says about robots as they are, in two sentences."""
-    return finding(pd.read_csv(ROOT / "leaderboard" / "leaderboard.csv"), "hardware") + "\n"
+    return finding(_csv("leaderboard/leaderboard.csv"), "hardware") + "\n"
+
+
+def _csv(name: str) -> pd.DataFrame:
+    return read_csv((ROOT / name).read_text(encoding="utf-8"))
 
 
 def _published(name: str) -> pd.DataFrame:
-    return pd.read_csv(ROOT / "leaderboard" / f"{PLACES[name]}.csv").fillna({"unit": ""})
+    return _csv(f"leaderboard/{PLACES[name]}.csv").fillna({"unit": ""})
 
 
 def claims() -> str:
@@ -58,7 +65,7 @@ def fidelity() -> str:
 
 def speed() -> str:
     """The ratios of docs/bench/bench.csv."""
-    table = pd.read_csv(ROOT / "docs" / "bench" / "bench.csv").dropna(subset="ratio")
+    table = _csv("docs/bench/bench.csv").dropna(subset="ratio")
     columns = ["env", "measured", "beside", "num_envs", "ratio", "bar"]
     cells = [[_cell(row[column]) for column in columns] for row in table.to_dict("records")]
     return markdown(Ranking("", ["environment", "measured", "beside", "environments", "ratio", "bar"], cells))
@@ -72,7 +79,7 @@ def _cell(value: object) -> str:
 
 def learned() -> str:
     """FRR of the learned compensators beside the paper's observers and the tuned ones, from the leaderboard."""
-    episodes = pd.read_csv(ROOT / "leaderboard" / "episodes.csv")
+    episodes = _csv("leaderboard/episodes.csv")
     cells = []
     for (env, variant), rows in episodes.groupby(SET, sort=False):
         frr = rows.pivot(index="seed", columns="compensator", values="frr")
@@ -90,7 +97,7 @@ def learned() -> str:
 
 def outside() -> str:
     """1 - FRR inside and outside the training range, beside the observer that the policy is added to."""
-    sweep = pd.read_csv(ROOT / "docs" / "learning" / "sweep.csv")
+    sweep = _csv("docs/learning/sweep.csv")
     names = list(dict.fromkeys(sweep["compensator"]))
     cells = []
     for (env, parameter, factor), rows in sweep.groupby(["env", "parameter", "factor"], sort=False):
@@ -105,7 +112,7 @@ def outside() -> str:
 
 def ticks() -> str:
     """Time of one control tick."""
-    table = pd.read_csv(ROOT / "docs" / "learning" / "ticks.csv")
+    table = _csv("docs/learning/ticks.csv")
     columns = ["compensator", "median_us", "p99_us"]
     cells = [[_cell(row[column]) for column in columns] for row in table.to_dict("records")]
     return markdown(Ranking("", ["compensator", "median [us]", "99th percentile [us]"], cells))
@@ -115,7 +122,7 @@ def training() -> str:
     """How long the trainings of the shipped weights took, and how much of it the environment."""
     cells = []
     for name in LEARNED:
-        timing = pd.read_csv(ROOT / "baselines" / "rl" / "weights" / name / "timing.csv").sum()
+        timing = _csv(f"baselines/rl/weights/{name}/timing.csv").sum()
         share = timing["environment_seconds"] / timing["seconds"]
         cells.append([name, f"{timing['seconds'] / 60:.1f} min", f"{100 * share:.0f} %"])
     return markdown(Ranking("", ["weights", "training", "of it the environment's"], cells))

@@ -9,20 +9,22 @@ from pathlib import Path
 
 import typer
 from rich.console import Console
-from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.text import Text
+
+from fo_gym.text import one_line, printable
 
 console = Console(width=None if sys.stdout.isatty() else 140)
 errors = Console(stderr=True)
 
-__all__ = ["Stop", "check_jobs", "console", "errors", "progress_bar", "tell_written"]
+__all__ = ["Stop", "check_jobs", "console", "errors", "progress_bar", "say", "tell_written"]
 
 
 class Stop(typer.Exit):
     """End with a message and exit code 2."""
 
     def __init__(self, message: str) -> None:
-        errors.print(f"[bold red]error:[/] {escape(message)}", highlight=False, soft_wrap=True)
+        errors.print(Text.assemble(("error:", "bold red"), " ", printable(message)), soft_wrap=True)
         super().__init__(code=2)
 
 
@@ -47,16 +49,22 @@ def progress_bar(total: int) -> Iterator[Callable[[str, int], None]]:
         task = progress.add_task("compiling kernels, starting", total=total)
 
         def advance(label: str, done: int) -> None:
+            label = one_line(label)
             news = label != progress.tasks[task].description
             progress.update(task, advance=done, description=label)
             if news and not errors.is_terminal:
-                errors.print(label, highlight=False, markup=False)
+                say(label, errors)
 
         yield advance
         progress.update(task, description="done")
 
 
+def say(text: str, where: Console = console) -> None:
+    """Print a text as it is: no markup, no emoji codes, nothing that steers the terminal; lines are left to it."""
+    where.print(Text(printable(text)), soft_wrap=True)
+
+
 def tell_written(paths: list[Path]) -> None:
     """Name the files that a command wrote."""
     for path in paths:
-        console.print(f"wrote {path}", highlight=False, markup=False, soft_wrap=True)
+        say(f"wrote {path}")

@@ -26,7 +26,7 @@ TREES = {module: ast.parse(path.read_text(encoding="utf-8")) for module, path in
 # Data flows one way: a part imports from its own and from those before it. Parts on one line are equals that do not
 # know each other.
 FLOW = (
-    ("envs_assets",),
+    ("envs_assets", "fo_gym.text"),
     ("fo_gym.parameters", "fo_gym.sensors"),
     ("fo_gym.hardware",),
     ("fo_gym.plant",),

@@ -1,4 +1,4 @@
-"""Competitors: entries and what is refused in them, submissions apart from ours, and what a competitor consists of."""
+"""Competitors: entries and what is refused in them, submissions among them, and what a competitor consists of."""
 
 from __future__ import annotations
 
@@ -169,9 +169,10 @@ def test_submissions_are_the_entries_of_a_folder(write: Write) -> None:
         submissions_in(Path("nowhere"))
 
 
-def test_submissions_are_listed_apart(write: Write, tmp_path: Path) -> None:
+def test_submissions_take_part(write: Write, tmp_path: Path) -> None:
+    """They lie beside where the command runs, whatever its folder; rows and ranks are among everybody's, marked."""
     write(small_toml=TOML)
-    theirs = tmp_path / "here" / "out" / "submissions"
+    theirs = tmp_path / "here" / "leaderboard" / "submissions"
     theirs.mkdir(parents=True)
     (theirs / "theirs.toml").write_text(ENTRY, encoding="utf-8")
     (theirs / "mine.py").write_text(MINE, encoding="utf-8")
@@ -183,14 +184,11 @@ def test_submissions_are_listed_apart(write: Write, tmp_path: Path) -> None:
     }  # fmt: skip
     assert board["rank"].dropna().tolist() == [2, 1]
     page = Path("out/leaderboard.md").read_text(encoding="utf-8")
-    main, section = page.split("## Submissions")
-    assert "| 1 | pd-low |" in main
-    assert "tuned" not in main
-    assert "| tuned | A. Author, B. Author | https://example.org/paper |" in section
-    assert "### FJRSquare-v0, nominal" in section
-    assert "| 1 | tuned |" in section
-    assert "pd-low" not in section
-    assert "Submissions: FJRSquare-v0, nominal" in result.stdout
+    assert "\nMarks: † submission.\n" in page
+    assert [page.count(f"\n| {row} | ") for row in ("1 | tuned †", "2 | pd-low", "tuned †")] == [1, 1, 1]
+    assert "\n* tuned †: A. Author, B. Author, <https://example.org/paper>\n" in page
+    assert "│ tuned † " in result.stdout
+    assert "\n† submission\n" in result.stdout
 
 
 TOML = """

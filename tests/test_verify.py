@@ -60,11 +60,11 @@ def run(*arguments: str) -> Outcome:
 def original(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with published results, a submission among them."""
     folder = tmp_path_factory.mktemp("verify")
-    (folder / "out" / "submissions").mkdir(parents=True)
+    (folder / "leaderboard" / "submissions").mkdir(parents=True)
     for name, text in {"small.toml": PROTOCOL, "mine.py": MINE, "by-path.toml": ENTRY}.items():
         (folder / name).write_text(text, encoding="utf-8")
     for name, text in {"mine.py": MINE, "theirs.toml": ENTRY.replace("70", "90")}.items():
-        (folder / "out" / "submissions" / name).write_text(text, encoding="utf-8")
+        (folder / "leaderboard" / "submissions" / name).write_text(text, encoding="utf-8")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         assert run("leaderboard", "--protocol", "small.toml", "--out", "out").code == 2  # for the broken one

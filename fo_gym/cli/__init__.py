@@ -12,7 +12,7 @@ from fo_gym.cli.reproduce import run_reproduce
 from fo_gym.cli.scores import evaluate, list_everything, run_leaderboard
 from fo_gym.cli.tune import run_tune
 from fo_gym.cli.verify import run_verify
-from fo_gym.console import errors
+from fo_gym.console import errors, say
 
 GROUP = "fo_gym.commands"
 """Entry points of further commands: a name, and a function as Typer takes it."""
@@ -44,7 +44,7 @@ def _add_commands(to: typer.Typer) -> None:
                 raise ValueError("the name is taken")
             to.command(entry.name)(entry.load())
         except Exception as error:
-            errors.print(f"fo-gym: command {entry.name!r} of {entry.value} is left out: {error}", markup=False)
+            say(f"fo-gym: command {entry.name!r} of {entry.value} is left out: {error}", errors)
 
 
 _add_commands(app)

@@ -10,7 +10,7 @@ import typer
 from rich.markup import escape
 from rich.table import Table
 
-from fo_gym.console import Stop, check_jobs, console, errors, progress_bar, tell_written
+from fo_gym.console import Stop, check_jobs, console, errors, progress_bar, say, tell_written
 
 __all__ = ["run_reproduce"]
 
@@ -53,7 +53,7 @@ def run_reproduce(
         console.print(_view(f"{name}: {counts(table)}", table))
     tell_written(write_reproduction(found, folder))
     for name, reason in found.errors.items():
-        errors.print(f"figure {name}: {reason}", highlight=False, markup=False)
+        say(f"figure {name}: {reason}", errors)
     unexpected = surprises(found)
     if unexpected:
         raise Stop(f"not as it is known to be: {', '.join(unexpected)}; see the column 'measured'")

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.markup import escape
 from rich.table import Table
+from rich.text import Text
 
 import fo_gym
 from fo_gym.cli.work import (
@@ -23,7 +23,7 @@ from fo_gym.cli.work import (
     submissions_of,
     working,
 )
-from fo_gym.console import Stop, console, tell_written
+from fo_gym.console import Stop, console, say, tell_written
 from fo_gym.evaluation.backends import Name
 from fo_gym.evaluation.competitor import Competitor
 from fo_gym.evaluation.entry import competitor_of, shipped_entries
@@ -33,10 +33,10 @@ from fo_gym.evaluation.metrics import METRICS
 from fo_gym.evaluation.protocol import Protocol, load_protocol, shipped_protocols
 from fo_gym.evaluation.report import write_results
 from fo_gym.evaluation.run import Results, competitors_of, run_protocol
-from fo_gym.evaluation.sections import apart, ours
 from fo_gym.evaluation.store import Store
-from fo_gym.evaluation.tables import Ranking, rankings, summary
+from fo_gym.evaluation.tables import Ranking, explained, rankings, summary
 from fo_gym.tasks.task import VARIANTS
+from fo_gym.text import one_line
 
 BESIDE = ("pid-low", "pid-high", "pd-low", "pd-high", "letien-low", "letien-high")
 """Whom `fo-gym evaluate` runs beside what it is given: the observers of arXiv:1907.00553."""
@@ -68,26 +68,25 @@ def _run(
     return results
 
 
-def _print(tables: Iterable[Ranking]) -> None:
-    for ranking in tables:
-        view = Table(title=ranking.title)
-        for heading in ranking.headings:
-            words = heading in ("compensator", "verdict")
-            view.add_column(escape(heading), justify="left" if words else "right", overflow="fold")
-        for row in ranking.cells:
-            view.add_row(*map(escape, row))
-        console.print(view)
+def _print(ranking: Ranking) -> None:
+    """The ranking as a table on the terminal; rows that are yours are bold."""
+    view = Table(title=Text(ranking.title))
+    for heading in ranking.headings:
+        words = heading in ("compensator", "verdict")
+        view.add_column(Text(heading), justify="left" if words else "right", overflow="fold")
+    for place, row in enumerate(ranking.cells):
+        view.add_row(*(Text(one_line(cell)) for cell in row), style="bold" if place in ranking.own else None)
+    console.print(view)
 
 
 def _print_rankings(results: Results) -> None:
-    episodes = ours(results.episodes)
-    tables = list(rankings(episodes))
+    tables = list(rankings(results.episodes))
     if len(tables) > 1:
-        tables.append(summary(leaderboard(episodes)))
-    _print(tables)
-    if len(episodes) < len(results.episodes):
-        theirs = apart(results.episodes, leaderboard(results.episodes))
-        _print(ranking._replace(title=f"Submissions: {ranking.title}") for ranking in theirs)
+        tables.append(summary(leaderboard(results.episodes)))
+    for ranking in tables:
+        _print(ranking)
+    if marks := explained(results.episodes):
+        say(marks)
 
 
 def list_everything() -> None:
@@ -96,15 +95,14 @@ def list_everything() -> None:
     Example: fo-gym list
     """
     for env_id in fo_gym.ENVIRONMENTS:
-        console.print(f"environment  {env_id}", highlight=False)
+        say(f"environment  {env_id}")
     for name in fo_gym.list_compensators():
-        console.print(f"compensator  {name}", highlight=False)
+        say(f"compensator  {name}")
     for name, metric in METRICS.items():
-        text = f"metric       {name} ({metric.better} is better): {metric.description}"
-        console.print(text, highlight=False, markup=False, soft_wrap=True)
+        say(f"metric       {name} ({metric.better} is better): {metric.description}")
     for kind, files in (("entry", shipped_entries()), ("protocol", shipped_protocols())):
         for name, path in files.items():
-            console.print(f"{kind:<12} {name}: {path}", highlight=False, markup=False, soft_wrap=True)
+            say(f"{kind:<12} {name}: {path}")
 
 
 def evaluate(
@@ -193,7 +191,7 @@ def run_leaderboard(
     results = _run(
         chosen,
         jobs,
-        submissions=submissions_of(submissions, folder),
+        submissions=submissions_of(submissions),
         backend=backend,
         address=address,
         store=Store(store, fresh=fresh, notice=note),

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from fo_gym.cli.work import Address, Jobs, Submissions, Workers, check_workers, submissions_of, working
-from fo_gym.console import Stop, console
+from fo_gym.console import Stop, say
 from fo_gym.evaluation.verify import MISMATCH, OTHER, SAME, Comparison, contests_of, published, sampled, verify
 
 __all__ = ["run_verify"]
@@ -41,7 +41,7 @@ def run_verify(
     check_workers(jobs, backend, address)
     try:
         rows = sampled(published(folder), sample, seed)
-        contests = contests_of(rows, submissions_of(submissions, folder), protocol)
+        contests = contests_of(rows, submissions_of(submissions), protocol)
     except ValueError as error:
         raise Stop(str(error)) from error
     runs = sum(1 + len(contest.competitors) for contest in contests)
@@ -56,18 +56,12 @@ def _tell(found: list[Comparison]) -> None:
     for comparison in found:
         if comparison.verdict == SAME:
             continue
-        _line(f"{comparison.verdict}: {' '.join(comparison.row)}")
+        say(f"{comparison.verdict}: {' '.join(comparison.row)}")
         for text in (*comparison.differences, *comparison.versions):
-            _line(f"    {text}")
+            say(f"    {text}")
     runs = len({comparison.row[:3] for comparison in found})
-    _line(
-        f"{len(found)} rows of {runs} runs: " + ", ".join(f"{counts[each]} {each}" for each in (SAME, OTHER, MISMATCH))
-    )
+    say(f"{len(found)} rows of {runs} runs: " + ", ".join(f"{counts[each]} {each}" for each in (SAME, OTHER, MISMATCH)))
     if counts[MISMATCH]:
         raise Stop(
             f"{counts[MISMATCH]} rows cannot be reproduced, although versions and competitors are those published"
         )
-
-
-def _line(text: str) -> None:
-    console.print(text, highlight=False, markup=False, soft_wrap=True)

@@ -9,13 +9,16 @@ from typing import Annotated
 
 import typer
 
-from fo_gym.console import Stop, check_jobs, errors, progress_bar
+from fo_gym.console import Stop, check_jobs, errors, progress_bar, say
 from fo_gym.evaluation.backends import Backend, BackendError, Name, backend_of
 from fo_gym.evaluation.competitor import Competitor
 from fo_gym.evaluation.entry import submissions_in
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells have it."""
+
+SUBMISSIONS = Path("leaderboard/submissions")
+"""Where entries of others are looked for, whatever the folder of the results."""
 
 Jobs = Annotated[int, typer.Option(help="Worker processes; -1 = one per core.")]
 Workers = Annotated[Name, typer.Option("--backend", help="joblib: this machine; ray: a Ray cluster, started for it.")]
@@ -24,7 +27,7 @@ Address = Annotated[
 ]
 Submissions = Annotated[
     Path | None,
-    typer.Option(help="Folder of entries *.toml, listed apart from ours; OUT/submissions where there is one."),
+    typer.Option(help=f"Folder of entries *.toml that take part; {SUBMISSIONS} where there is one."),
 ]
 StoreFolder = Annotated[
     Path, typer.Option(file_okay=False, help="Folder in which finished runs are kept, and looked for.")
@@ -48,7 +51,7 @@ __all__ = [
 
 def note(text: str) -> None:
     """A line on the error stream, as it is."""
-    errors.print(text, highlight=False, markup=False, soft_wrap=True)
+    say(text, errors)
 
 
 def check_workers(jobs: int, backend: Name, address: str | None) -> None:
@@ -81,10 +84,11 @@ def working(
         raise typer.Exit(INTERRUPTED) from None
 
 
-def submissions_of(folder: Path | None, out: Path) -> tuple[Competitor, ...]:
-    """The submissions in a folder; by default in OUT/submissions, where there is one."""
-    default = out / "submissions"
+def submissions_of(folder: Path | None) -> tuple[Competitor, ...]:
+    """The submissions in a folder; by default in `SUBMISSIONS`, where there is one."""
+    if folder is None and not SUBMISSIONS.is_dir():
+        return ()
     try:
-        return submissions_in(folder or default) if folder is not None or default.is_dir() else ()
+        return submissions_in(folder or SUBMISSIONS)
     except ValueError as error:
         raise Stop(str(error)) from error

@@ -12,15 +12,16 @@ from typing import Any
 from fo_gym.compensators import Compensator, make_compensator
 from fo_gym.evaluation.content import Content, content_of, digest
 
-BASELINE, SUBMISSION, REFERENCE = "baseline", "submission", "reference"
-"""Where a competitor comes from: the protocol, the folder of submissions, or the suite itself (`none`, `ideal`)."""
+BASELINE, SUBMISSION, YOURS, REFERENCE = "baseline", "submission", "yours", "reference"
+"""Where a competitor comes from: the protocol, the folder of submissions, who runs the command, or the suite itself
+(`none`, `ideal`)."""
 
 Gains = Mapping[str, Any]
 """Keyword arguments of a compensator."""
 
 _HASH_LENGTH = 16
 
-__all__ = ["BASELINE", "REFERENCE", "SUBMISSION", "Competitor", "Gains"]
+__all__ = ["BASELINE", "REFERENCE", "SUBMISSION", "YOURS", "Competitor", "Gains"]
 
 
 @dataclass(frozen=True)
@@ -30,7 +31,7 @@ class Competitor:
     Attributes:
         name: what the tables call it.
         spec: a registered name, "module:Class" or "file.py:Class".
-        origin: "baseline", "submission" or "reference".
+        origin: "baseline", "submission", "yours" or "reference".
         gains: keyword arguments of the compensator.
         sets: gains that replace them, by environment and variant.
         authors: who made it.

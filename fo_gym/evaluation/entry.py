@@ -29,6 +29,7 @@ from fo_gym.compensators import BUILT_IN
 from fo_gym.evaluation.competitor import BASELINE, REFERENCE, SUBMISSION, Competitor, Gains
 from fo_gym.evaluation.protocol import known_environments
 from fo_gym.tasks.task import VARIANTS
+from fo_gym.text import one_line
 
 _NEEDED, _ALLOWED = ("spec", "authors", "link"), ("name", "gains", "sets")
 _WORDS: Mapping[type, str] = {str: "text", list: "list", dict: "table"}
@@ -66,15 +67,16 @@ def submissions_in(folder: Path) -> tuple[Competitor, ...]:
 
 
 def check_names(competitors: Iterable[Competitor]) -> None:
-    """Raise ValueError where two competitors have the same name."""
+    """Raise ValueError where two competitors have the same name, as files show it."""
     seen: dict[str, Competitor] = {}
     for each in competitors:
-        if each.name in seen:
+        shown = one_line(each.name)
+        if shown in seen:
             raise ValueError(
-                f"two competitors are called {each.name!r}: {seen[each.name].spec} and {each.spec}; "
+                f"two competitors are called {each.name!r}: {seen[shown].spec} and {each.spec}; "
                 "give one of them another name (the key 'name' of its entry)"
             )
-        seen[each.name] = each
+        seen[shown] = each
 
 
 def load_entry(path: Path) -> Competitor:
@@ -97,7 +99,7 @@ def load_entry(path: Path) -> Competitor:
     if not authors or not all(isinstance(author, str) and author.isprintable() for author in authors):
         raise ValueError(f"entry {path}: authors is {authors!r}; give at least one name, each a line of text")
     link = content["link"]
-    if link and not re.fullmatch(r"https?://[^\s|()<>]+", link):
+    if link and not re.fullmatch(r"https?://[!#-;=?-Z_a-z~]+", link):
         raise ValueError(f'entry {path}: link is {link!r}; give an address https://..., or ""')
     return Competitor(
         name=_name(path, content.get("name", path.stem)),

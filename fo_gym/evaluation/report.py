@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
 
-from fo_gym.evaluation.competitor import SUBMISSION
 from fo_gym.evaluation.figures import figures
 from fo_gym.evaluation.leaderboard import leaderboard
 from fo_gym.evaluation.protocol import Protocol
 from fo_gym.evaluation.run import Results
-from fo_gym.evaluation.sections import apart, authors, is_submission, ours
-from fo_gym.evaluation.tables import markdown, rankings, summary
+from fo_gym.evaluation.tables import authors, explained, markdown, rankings, summary
 from fo_gym.files import atomic, csv
+from fo_gym.text import markdown_text
 
 __all__ = ["markdown_page", "write_results"]
 
 
 def markdown_page(protocol: Protocol, results: Results, table: pd.DataFrame, pictures: list[Path]) -> str:
-    """The leaderboard as a page: one table per environment and variant, then the submissions and the figures.
+    """The leaderboard as a page: one table per environment and variant, who submitted, and the figures.
 
     Args:
         protocol: what was run.
@@ -44,44 +42,27 @@ def markdown_page(protocol: Protocol, results: Results, table: pd.DataFrame, pic
         "removed, worst joint; on the arm the joints are under-damped and still ring in that window, friction or not, "
         "so there it is no proof of hunting. `fo-gym list` explains every metric of leaderboard.csv.\n",
         "The first table is sorted by the mean of its columns.\n",
-        f"Protocol `{protocol.stamp}` (name and hash); {versions}.\n",
+        f"Protocol {markdown_text(protocol.stamp)} (name and hash); {versions}.\n",
     ]
-    mine = table if not is_submission(table).any() else leaderboard(ours(episodes))
-    for ranking in (summary(mine), *rankings(ours(episodes), mine)):
+    if marks := explained(table):
+        parts.append(f"Marks: {markdown_text(marks)}.\n")
+    for ranking in (summary(table), *rankings(episodes, table)):
         parts += [f"## {ranking.title}\n", markdown(ranking)]
-    parts += _submissions(results, table)
+    if made := authors(results.competitors):
+        parts += ["## Submissions\n", "\n".join(made) + "\n"]
     parts += [f"![{path.stem}](figures/{path.name})\n" for path in pictures]
     return "\n".join(parts)
 
 
-def _submissions(results: Results, table: pd.DataFrame) -> list[str]:
-    """The section of the submissions; nothing where there are none."""
-    made = authors(results.competitors)
-    if not made.cells:
-        return []
-    text = (
-        "Competitors of others, on the same episodes. Their ranks and verdicts here are among everybody, as in "
-        "leaderboard.csv; the tables above are as if they had not taken part.\n"
-    )
-    parts = [f"## {made.title}\n", text, markdown(made)]
-    for ranking in apart(results.episodes, table):
-        parts += [f"### {ranking.title}\n", markdown(ranking)]
-    return parts
-
-
 def write_results(protocol: Protocol, results: Results, out: Path) -> list[Path]:
     """Write episodes.csv, leaderboard.csv, timing.csv, leaderboard.md and the figures into `out`.
-
-    The nominal episodes of submissions are not drawn: their number is open, and so would be the lines of a figure.
 
     Returns:
         What was written.
     """
     out.mkdir(parents=True, exist_ok=True)
     table = leaderboard(results.episodes)
-    named = {competitor.name for competitor in results.competitors if competitor.origin == SUBMISSION}
-    traces = [trace for trace in results.traces if trace.compensator not in named]
-    pictures = figures(replace(results, traces=traces), out / "figures", table)
+    pictures = figures(results, out / "figures", table)
     texts = {
         "episodes.csv": csv(results.episodes),
         "leaderboard.csv": csv(table),

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import pandas as pd
 
 from fo_gym.compensators import BUILT_IN
+from fo_gym.evaluation.competitor import SUBMISSION, YOURS, Competitor
 from fo_gym.evaluation.evaluate import OK
 from fo_gym.evaluation.leaderboard import SET, leaderboard, overall
+from fo_gym.text import MESSAGE_LIMIT, NAME_LIMIT, markdown_code, markdown_table, markdown_text, one_line
+
+MARKS = {SUBMISSION: "†", YOURS: "*"}
+"""What stands after the names of competitors that are not ours, by their origin."""
 
 # Beside frr: column, heading, and the factor from the column's unit to the heading's.
 _SHOWN = (
@@ -20,15 +25,48 @@ _SHOWN = (
     ("estimate_lag_ms", "lag [ms]", 1.0),
 )
 
-__all__ = ["Ranking", "finding", "markdown", "rankings", "summary"]
+__all__ = ["MARKS", "Ranking", "authors", "explained", "finding", "markdown", "marked", "rankings", "summary"]
 
 
 class Ranking(NamedTuple):
-    """One environment and variant, best competitor first, the references last."""
+    """A table of plain text, such as one environment and variant, best competitor first, the references last.
+
+    Attributes:
+        title: of the table.
+        headings: one per column.
+        cells: a list per row.
+        own: which rows are of competitors that are yours.
+    """
 
     title: str
     headings: list[str]
     cells: list[list[str]]
+    own: frozenset[int] = frozenset()
+
+
+def marked(name: str, origin: str) -> str:
+    """The name as tables and figures show it, with the mark of its origin."""
+    return " ".join(part for part in (one_line(name, NAME_LIMIT), MARKS.get(origin)) if part)
+
+
+def explained(rows: pd.DataFrame) -> str:
+    """What the marks in tables of these rows mean; "" where there are none."""
+    present = rows["origin"].unique()
+    return ", ".join(f"{mark} {origin}" for origin, mark in MARKS.items() if origin in present)
+
+
+def _own(origins: Sequence[str]) -> frozenset[int]:
+    return frozenset(place for place, origin in enumerate(origins) if origin == YOURS)
+
+
+def authors(competitors: Sequence[Competitor]) -> list[str]:
+    """Who made the submissions, and where they are described: lines of Markdown."""
+    made = [each for each in competitors if each.origin == SUBMISSION]
+    return [
+        f"* {markdown_text(marked(each.name, each.origin))}: {markdown_text(', '.join(each.authors))}"
+        + (f", <{each.link}>" if each.link else "")
+        for each in made
+    ]
 
 
 def _number(value: Any, form: str, factor: float = 1.0) -> str:
@@ -37,7 +75,7 @@ def _number(value: Any, form: str, factor: float = 1.0) -> str:
 
 def _verdict(row: pd.Series[Any]) -> str:
     words = "reference" if row["compensator"] in BUILT_IN else row["verdict"]
-    note = "" if row["status"] == OK else f"{row['status']}: {row['error']}"
+    note = "" if row["status"] == OK else one_line(f"{row['status']}: {row['error']}", MESSAGE_LIMIT)
     return "; ".join(str(part) for part in (words, note) if part and not pd.isna(part))
 
 
@@ -49,7 +87,7 @@ def _cells(row: pd.Series[Any], shown: list[tuple[str, str, float]]) -> list[str
     scores = [_number(row[column], ".3g", factor) for column, _, factor in shown]
     return [
         _number(row["rank"], ".0f"),
-        row["compensator"],
+        marked(row["compensator"], row["origin"]),
         _number(row["frr"], ".4f"),
         _range(row["frr_ci_low"], row["frr_ci_high"], ".4f"),
         _range(row["rank_ci_low"], row["rank_ci_high"], ".0f"),
@@ -84,7 +122,8 @@ def _ranking(title: str, rows: pd.DataFrame, shown: list[tuple[str, str, float]]
     ordered = rows.sort_values("rank", kind="stable", na_position="last")
     before = ["rank", "compensator", "FRR", "95 % interval", "ranks", "group"]
     cells = [_cells(row, shown) for _, row in ordered.iterrows()]
-    return Ranking(title, [*before, *(heading for _, heading, _ in shown), "verdict"], cells)
+    headings = [*before, *(heading for _, heading, _ in shown), "verdict"]
+    return Ranking(title, headings, cells, _own(list(ordered["origin"])))
 
 
 def finding(table: pd.DataFrame, variant: str) -> str:
@@ -104,23 +143,30 @@ def finding(table: pd.DataFrame, variant: str) -> str:
     envs = rows["env"].unique()
     leaders = [_leaders(str(env), rows[rows["env"] == env]) for env in envs]
     beaten: dict[str, list[str]] = {"everywhere": []}
-    for name, group in rows[rows["verdict"] == "behind"].groupby("compensator", sort=False):
+    for _, group in rows[rows["verdict"] == "behind"].groupby("compensator", sort=False):
         lost = [str(env) for env in group["env"]]
         where = "everywhere" if len(lost) == len(envs) > 1 else "on " + _listed(lost)
-        beaten.setdefault(where, []).append(f"`{name}`")
+        beaten.setdefault(where, []).extend(_codes(group.head(1)))
     losers = "; ".join(f"{where}: {', '.join(names)}" for where, names in beaten.items() if names) or "nobody"
-    unscored = [f"`{name}`" for name in rows.loc[rows["frr"].isna(), "compensator"].unique()]
+    unscored = _codes(rows[rows["frr"].isna()].drop_duplicates("compensator"))
     losers += f"; without a score somewhere: {', '.join(unscored)}" if unscored else ""
     return f"In `{variant}`, {'; '.join(leaders)}. Beaten by the best (95 % interval without zero): {losers}."
 
 
 def _leaders(env: str, rows: pd.DataFrame) -> str:
     """Who is best on an environment, and with whom."""
-    best = rows.loc[rows["verdict"] == "best", "compensator"]
-    if not len(best):
+    best, tied = (_codes(rows[rows["verdict"] == verdict]) for verdict in ("best", "tied"))
+    if not best:
         return f"nobody has a score on {env}"
-    tied = [f"`{name}`" for name in rows.loc[rows["verdict"] == "tied", "compensator"]]
-    return f"`{best.iloc[0]}` is best on {env}, tied with {_listed(tied) if tied else 'nobody'}"
+    return f"{best[0]} is best on {env}, tied with {_listed(tied) if tied else 'nobody'}"
+
+
+def _codes(rows: pd.DataFrame) -> list[str]:
+    """The names of these rows as code in Markdown, with the marks of their origins."""
+    return [
+        markdown_code(one_line(name, NAME_LIMIT)) + MARKS.get(origin, "")
+        for name, origin in zip(rows["compensator"], rows["origin"], strict=True)
+    ]
 
 
 def _listed(words: list[str]) -> str:
@@ -140,18 +186,17 @@ def summary(table: pd.DataFrame) -> Ranking:
     mean = frr.mean(axis=1, skipna=False).sort_values(ascending=False, kind="stable", na_position="last")
     frr = frr.loc[mean.index, sets]
     headings = ["compensator", *(f"{env}, {variant}" for env, variant in sets)]
+    origins = competitors.drop_duplicates("compensator").set_index("compensator")["origin"][frr.index]
     cells = [
-        [str(name), *(_number(value, ".3f") for value in values)]
-        for name, values in zip(frr.index, frr.to_numpy(), strict=True)
+        [marked(str(name), origin), *(_number(value, ".3f") for value in values)]
+        for name, origin, values in zip(frr.index, origins, frr.to_numpy(), strict=True)
     ]
-    return Ranking("Friction rejection ratio", headings, cells)
+    return Ranking("Friction rejection ratio", headings, cells, _own(list(origins)))
 
 
 def markdown(ranking: Ranking) -> str:
-    """The ranking as a Markdown table."""
-    rows = [ranking.headings, ["---"] * len(ranking.headings), *ranking.cells]
-    return "\n".join("| " + " | ".join(_escaped(cell) for cell in row) + " |" for row in rows) + "\n"
-
-
-def _escaped(cell: str) -> str:
-    return cell.replace("|", "\\|").replace("\n", " ")
+    """The ranking as a Markdown table; rows that are yours are bold."""
+    rows = [[markdown_text(cell) for cell in row] for row in ranking.cells]
+    for place in ranking.own:
+        rows[place] = [f"**{cell}**" if cell else "" for cell in rows[place]]
+    return markdown_table([markdown_text(heading) for heading in ranking.headings], rows)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,7 +18,7 @@ from fo_gym.evaluation.leaderboard import KEY, SET
 from fo_gym.evaluation.protocol import load_protocol, shipped_protocols
 from fo_gym.evaluation.provenance import is_provenance
 from fo_gym.evaluation.run import Contest, OnRun, run_contests
-from fo_gym.files import csv
+from fo_gym.files import csv, read_csv
 
 SAME, MISMATCH, OTHER = "same", "mismatch", "of other versions"
 """Verdicts on a row: the same text; another one, under the same versions; another one, under other versions."""
@@ -61,17 +60,13 @@ def published(folder: Path) -> pd.DataFrame:
     file = folder / "episodes.csv"
     if not file.is_file():
         raise ValueError(f"there is no {file}; write one with `fo-gym leaderboard --out {folder}`")
-    table = _as_text(file.read_text(encoding="utf-8"))
+    table = read_csv(file.read_text(encoding="utf-8"), numbers=False)
     missing = [column for column in (*_ROW, "protocol", "competitor_hash") if column not in table]
     if missing or not len(table):
         raise ValueError(
             f"{file} has {len(table)} rows and lacks the columns {missing}; run `fo-gym leaderboard` again"
         )
     return table
-
-
-def _as_text(text: str) -> pd.DataFrame:
-    return pd.read_csv(io.StringIO(text), dtype=str, keep_default_na=False)
 
 
 def sampled(table: pd.DataFrame, sample: int, seed: int) -> pd.DataFrame:
@@ -147,7 +142,7 @@ def verify(
     Returns:
         One comparison per row of the table, in its order.
     """
-    now = _as_text(csv(run_contests(contests, "", backend=backend, on_run=on_run).episodes))
+    now = read_csv(csv(run_contests(contests, "", backend=backend, on_run=on_run).episodes), numbers=False)
     rows = {_key(row): row for row in _cells(now)}
     return [_compared(row, rows[_key(row)]) for row in _cells(table)]
 

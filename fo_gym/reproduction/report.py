@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from fo_gym.evaluation.tables import Ranking, markdown
 from fo_gym.files import atomic, csv
 from fo_gym.reproduction.figures import FIGURES
 from fo_gym.reproduction.run import FAILS, HOLDS, Reproduction
+from fo_gym.text import markdown_code, markdown_table, markdown_text
 
 PLACES = {"claims": "paper/claims", "fidelity": "fidelity"}
 """Where each table goes, without its ending."""
@@ -54,19 +54,16 @@ def counts(table: pd.DataFrame) -> str:
 def page(name: str, table: pd.DataFrame, figures: Iterable[str] = (), *, quick: bool = False) -> str:
     """One table as a Markdown page, with the reasons of what does not hold; on the claims' page the named figures."""
     cells = [
-        (
-            f"`{row['id']}`",
-            row["source"],
-            row["statement"],
-            row["measured"],
-            number(row["number"], row["unit"]),
+        [
+            markdown_code(row["id"]),
+            *(markdown_text(row[column]) for column in ("source", "statement", "measured")),
+            markdown_text(number(row["number"], row["unit"])),
             tolerance(row["low"], row["high"]),
             row["verdict"] if row["verdict"] == HOLDS else f"**{row['verdict']}**",
-        )
+        ]
         for row in table.to_dict("records")
     ]
     headings = ["id", "source", "statement", "what the number is", "number", "tolerance", "verdict"]
-    ranking = Ranking("", headings, [list(map(str, row)) for row in cells])
     failed = table[(table["verdict"] == FAILS) & (table["explanation"] != "")]
     reasons = [f"* `{row['id']}`: {row['explanation']}" for row in failed.to_dict("records")]
     stamps = [column for column in map(str, table) if column.startswith("version_")]
@@ -75,7 +72,7 @@ def page(name: str, table: pd.DataFrame, figures: Iterable[str] = (), *, quick: 
         f"{counts(table)}. Made by `fo-gym reproduce{' --quick' if quick else ''}` with "
         + ", ".join(f"{stamp.removeprefix('version_')} {table[stamp].iloc[0]}" for stamp in stamps)
         + ".\n",
-        markdown(ranking),
+        markdown_table(headings, cells),
     ]
     if reasons:
         parts += ["## Why these do not hold\n", "\n".join(reasons) + "\n"]
