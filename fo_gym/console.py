@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.table import Table
 from rich.text import Text
 
 from fo_gym.text import one_line, printable
@@ -17,7 +18,7 @@ from fo_gym.text import one_line, printable
 console = Console(width=None if sys.stdout.isatty() else 140)
 errors = Console(stderr=True)
 
-__all__ = ["Stop", "check_jobs", "console", "errors", "progress_bar", "say", "tell_written"]
+__all__ = ["Stop", "check_jobs", "console", "errors", "progress_bar", "say", "tell_written", "text_table"]
 
 
 class Stop(typer.Exit):
@@ -62,6 +63,24 @@ def progress_bar(total: int) -> Iterator[Callable[[str, int], None]]:
 def say(text: str, where: Console = console) -> None:
     """Print a text as it is: no markup, no emoji codes, nothing that steers the terminal; lines are left to it."""
     where.print(Text(printable(text)), soft_wrap=True)
+
+
+def text_table(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]], bold: Collection[int] = ()) -> Table:
+    """A table of texts as they are, each cell in one line as long as it fits.
+
+    Args:
+        title: above it.
+        headings: one per column; "compensator" and "verdict" are words, and stand left, what else there is, right.
+        rows: cells.
+        bold: which rows stand out.
+    """
+    table = Table(title=Text(one_line(title)))
+    for heading in headings:
+        words = heading in ("compensator", "verdict")
+        table.add_column(Text(heading), justify="left" if words else "right", overflow="fold")
+    for place, row in enumerate(rows):
+        table.add_row(*(Text(one_line(cell)) for cell in row), style="bold" if place in bold else None)
+    return table
 
 
 def tell_written(paths: list[Path]) -> None:

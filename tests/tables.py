@@ -1,6 +1,12 @@
-"""Environments, compensators and columns, for the tests of the evaluation."""
+"""Environments, compensators, columns and rows without a simulation, for the tests of the evaluation."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import pandas as pd
 
 from fo_gym import ENVIRONMENTS
+from fo_gym.evaluation.evaluate import EpisodeSet, failed_rows
 
 STICTION, REGULATION, SQUARE = ENVIRONMENTS
 SIX = ("pid-low", "pid-high", "pd-low", "pd-high", "letien-low", "letien-high")
@@ -8,3 +14,14 @@ PACKAGES = {name: f"version_{name.replace('-', '_')}" for name in ("fo-gym", "gy
 PACKAGES["scipy"] = "version_scipy"
 PROVENANCE = ["origin", "competitor_hash", "protocol", *PACKAGES.values(), "version_python"]
 KEYS = ["env", "variant", "compensator"]
+
+
+def synthetic(
+    frr: Mapping[str, Sequence[float]], variant: str = "randomized", env: str = SQUARE, **columns: Any
+) -> pd.DataFrame:
+    """Episodes with these friction rejection ratios, as `evaluate` would give them."""
+    parts = []
+    for name, values in frr.items():
+        part = failed_rows(EpisodeSet(env, variant, tuple(range(len(values))), {}), name, "", "p@0")
+        parts.append(part.assign(frr=values, status="ok", joint_unit="rad", **columns))
+    return pd.concat(parts, ignore_index=True)

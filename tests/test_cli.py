@@ -203,9 +203,13 @@ def test_an_entry_is_evaluated_as_any_other(folder: Path) -> None:
 
 
 def test_a_protocol_of_ones_own(folder: Path) -> None:
-    result = run("leaderboard", "--protocol", "tiny.toml", "--out", "tiny", "--jobs", "1")
+    result = run("leaderboard", "--protocol", "tiny.toml", "--out", "tiny", "--traces", "--jobs", "1")
     assert result.code == 0, result.err
-    assert {path.name for path in written(folder / "tiny")} == FILES
+    traces = {path.name.rpartition("-")[0] or path.name for path in (folder / "tiny" / "traces").rglob("*.npz")}
+    assert traces == {"none.median.npz", "ideal.median.npz", "mine-py-Mine"}
+    named = {path.name for path in written(folder / "tiny") if path.suffix != ".npz"}
+    assert named == FILES | {"index.csv"}
+    assert "wrote tiny/traces/index.csv" in result.out
     assert set(table_rows(result.out)) == {"mine.py:Mine", "none", "ideal"}
     assert "2/2" in result.err
 
@@ -228,6 +232,7 @@ REFUSED = [
     ("evaluate pid-high --env FJRNothing-v0", "unknown environment 'FJRNothing-v0'; known are FJRStiction-v0"),
     ("evaluate pid-high --variant wild", "unknown variant 'wild'; known are nominal, randomized"),
     ("evaluate pid-high --seeds 1001", "1001 seeds were asked for; give a number from 1 to 1000"),
+    ("evaluate pid-high --traces", "--traces are written beside the results; add --out DIR"),
     ("evaluate pid-high pid-high", "names one of them twice"),
     ("leaderboard --quick --protocol full", "--quick and --protocol exclude each other"),
     ("leaderboard --protocol nothing.toml", "there is no protocol 'nothing.toml'; name a TOML file or one of full"),

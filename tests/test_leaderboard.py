@@ -3,30 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
-from tables import KEYS, REGULATION, SQUARE, STICTION
+from tables import KEYS, REGULATION, SQUARE, STICTION, synthetic
 
-from fo_gym.evaluation.evaluate import EpisodeSet, failed_rows
 from fo_gym.evaluation.leaderboard import STANDING, is_baseline, leaderboard, overall, standings
 from fo_gym.evaluation.metrics import METRICS
 from fo_gym.evaluation.provenance import provenance
 from fo_gym.evaluation.tables import finding, rankings
-
-
-def synthetic(
-    frr: dict[str, list[float]], variant: str = "randomized", env: str = SQUARE, **columns: Any
-) -> pd.DataFrame:
-    """Episodes with these friction rejection ratios, as `evaluate` would give them."""
-    parts = []
-    for name, values in frr.items():
-        part = failed_rows(EpisodeSet(env, variant, tuple(range(len(values))), {}), name, "", "p@0")
-        parts.append(part.assign(frr=values, status="ok", joint_unit="rad", **columns))
-    return pd.concat(parts, ignore_index=True)
-
 
 BASE = np.linspace(0.1, 0.9, 20)
 TURNS = np.where(np.arange(20) % 2, -1.0, 1.0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,7 +20,6 @@ from fo_gym.evaluation.evaluate import EpisodeSet
 from fo_gym.evaluation.protocol import Protocol
 from fo_gym.evaluation.run import Results, run_protocol
 from fo_gym.evaluation.store import Store, key_of
-from fo_gym.evaluation.trace import Trace
 from fo_gym.evaluation.trial import NONE
 from fo_gym.files import csv
 
@@ -91,10 +90,10 @@ def trials() -> list[Path]:
 def assert_same(one: Results, other: Results) -> None:
     pd.testing.assert_frame_equal(one.episodes, other.episodes, check_exact=True)
     assert csv(one.episodes) == csv(other.episodes)
-    assert [trace.compensator for trace in one.traces] == [trace.compensator for trace in other.traces]
     for trace, again in zip(one.traces, other.traces, strict=True):
-        for field in fields(Trace):
-            np.testing.assert_array_equal(getattr(trace, field.name), getattr(again, field.name))
+        assert replace(trace, signals={}) == replace(again, signals={})
+        for name, values in trace.signals.items():
+            np.testing.assert_array_equal(again.signals[name], values)
 
 
 # What is in it

@@ -7,8 +7,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.table import Table
-from rich.text import Text
 
 import fo_gym
 from fo_gym.cli.work import (
@@ -17,13 +15,14 @@ from fo_gym.cli.work import (
     Jobs,
     StoreFolder,
     Submissions,
+    Traced,
     Workers,
     check_workers,
     note,
     submissions_of,
     working,
 )
-from fo_gym.console import Stop, console, say, tell_written
+from fo_gym.console import Stop, console, say, tell_written, text_table
 from fo_gym.evaluation.backends import Name
 from fo_gym.evaluation.competitor import Competitor
 from fo_gym.evaluation.entry import competitor_of, shipped_entries
@@ -34,9 +33,8 @@ from fo_gym.evaluation.protocol import Protocol, load_protocol, shipped_protocol
 from fo_gym.evaluation.report import write_results
 from fo_gym.evaluation.run import Results, competitors_of, run_protocol
 from fo_gym.evaluation.store import Store
-from fo_gym.evaluation.tables import Ranking, explained, rankings, summary
+from fo_gym.evaluation.tables import explained, rankings, summary
 from fo_gym.tasks.task import VARIANTS
-from fo_gym.text import one_line
 
 BESIDE = ("pid-low", "pid-high", "pd-low", "pd-high", "letien-low", "letien-high")
 """Whom `fo-gym evaluate` runs beside what it is given: the observers of arXiv:1907.00553."""
@@ -49,6 +47,7 @@ def _run(
     jobs: int,
     *,
     submissions: Sequence[Competitor] = (),
+    traced: bool = False,
     backend: Name = "joblib",
     address: str | None = None,
     store: Store | None = None,
@@ -62,21 +61,12 @@ def _run(
     runs = len(protocol.environments) * len(protocol.variants) * (1 + len(names))
     kept = f"; finished runs are kept in {store.folder}, the same command goes on with them" if store else ""
     with working(backend, jobs, address, runs, kept) as (workers, told):
-        results = run_protocol(protocol, submissions=submissions, backend=workers, store=store, on_run=told)
+        results = run_protocol(
+            protocol, submissions=submissions, traced=traced, backend=workers, store=store, on_run=told
+        )
     if store:
         note(f"{results.stored} of {results.runs} runs were taken from {store.folder}")
     return results
-
-
-def _print(ranking: Ranking) -> None:
-    """The ranking as a table on the terminal; rows that are yours are bold."""
-    view = Table(title=Text(ranking.title))
-    for heading in ranking.headings:
-        words = heading in ("compensator", "verdict")
-        view.add_column(Text(heading), justify="left" if words else "right", overflow="fold")
-    for place, row in enumerate(ranking.cells):
-        view.add_row(*(Text(one_line(cell)) for cell in row), style="bold" if place in ranking.own else None)
-    console.print(view)
 
 
 def _print_rankings(results: Results) -> None:
@@ -84,7 +74,7 @@ def _print_rankings(results: Results) -> None:
     if len(tables) > 1:
         tables.append(summary(leaderboard(results.episodes)))
     for ranking in tables:
-        _print(ranking)
+        console.print(text_table(*ranking))
     if marks := explained(results.episodes):
         say(marks)
 
@@ -118,6 +108,7 @@ def evaluate(
     out: Annotated[
         Path | None, typer.Option(file_okay=False, help="Folder for the CSV files, page and figures.")
     ] = None,
+    traces: Traced = False,
     jobs: Jobs = -1,
 ) -> None:
     """Score compensators beside none, ideal and the paper's observers, on validation seeds.
@@ -129,6 +120,8 @@ def evaluate(
 
         fo-gym evaluate leaderboard/submissions/theirs.toml
     """
+    if traces and out is None:
+        raise Stop("--traces are written beside the results; add --out DIR, or leave --traces out")
     try:
         given = [competitor_of(name) for name in compensators]
         for competitor in given:
@@ -138,10 +131,10 @@ def evaluate(
         protocol = Protocol("evaluate", "validation", seeds, (env,), (variant,), (*compensators, *others))
     except (ValueError, TypeError, fo_gym.CompensatorError) as error:
         raise Stop(str(error)) from error
-    results = _run(protocol, jobs)
+    results = _run(protocol, jobs, traced=traces)
     _print_rankings(results)
     if out is not None:
-        tell_written(write_results(protocol, results, out))
+        tell_written(write_results(protocol, results, out, traced=traces))
     _fail_if_failed(results, names)
 
 
@@ -161,6 +154,7 @@ def run_leaderboard(
         typer.Option(file_okay=False, help="Folder for the results; leaderboard, or build/quick with --quick."),
     ] = None,
     submissions: Submissions = None,
+    traces: Traced = False,
     jobs: Jobs = -1,
     backend: Workers = "joblib",
     address: Address = None,
@@ -192,10 +186,11 @@ def run_leaderboard(
         chosen,
         jobs,
         submissions=submissions_of(submissions),
+        traced=traces,
         backend=backend,
         address=address,
         store=Store(store, fresh=fresh, notice=note),
     )
     _print_rankings(results)
-    tell_written(write_results(chosen, results, folder))
+    tell_written(write_results(chosen, results, folder, traced=traces))
     _fail_if_failed(results, (competitor.name for competitor in results.competitors))

@@ -29,6 +29,10 @@ Submissions = Annotated[
     Path | None,
     typer.Option(help=f"Folder of entries *.toml that take part; {SUBMISSIONS} where there is one."),
 ]
+Traced = Annotated[
+    bool,
+    typer.Option("--traces", help="Write the worst, median and best episodes tick by tick, thinned, to OUT/traces."),
+]
 StoreFolder = Annotated[
     Path, typer.Option(file_okay=False, help="Folder in which finished runs are kept, and looked for.")
 ]
@@ -41,6 +45,7 @@ __all__ = [
     "Jobs",
     "StoreFolder",
     "Submissions",
+    "Traced",
     "Workers",
     "check_workers",
     "note",

@@ -30,12 +30,14 @@ class EpisodeSet:
         variant: variant of it.
         seeds: one per episode.
         env_kwargs: further arguments of the environment.
+        traced: whether the worst, the median and the best are kept tick by tick; the nominal one is, in any case.
     """
 
     env_id: str
     variant: str
     seeds: tuple[int, ...]
     env_kwargs: Mapping[str, Any]
+    traced: bool = False
 
     def record(self, compensator: Compensator, name: str) -> Recording:
         """Run `compensator` on these episodes."""

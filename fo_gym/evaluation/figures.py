@@ -3,105 +3,118 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import matplotlib as mpl
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
 
 from fo_gym.compensators import BUILT_IN
+from fo_gym.evaluation.competitor import BASELINE, SUBMISSION, YOURS
 from fo_gym.evaluation.leaderboard import SET, leaderboard
 from fo_gym.evaluation.run import Results
-from fo_gym.evaluation.trace import Trace
+from fo_gym.evaluation.style import BLUE, ORANGE, VERMILLION, label
+from fo_gym.evaluation.tables import marked
+from fo_gym.evaluation.trace_figure import trace_figure
 from fo_gym.files import draft_of
 
-_MILLI = 1e3
-_JOINT = 1
-_STYLE: dict[str, dict[str, Any]] = {
-    "ideal": {"color": "0.6", "linestyle": "--"},
-    "none": {"color": "0.3", "linestyle": ":"},
-}
+Array = NDArray[np.float64]
 
-__all__ = ["figures", "ranking_figure", "trace_figure"]
+_COLORS = {BASELINE: BLUE, SUBMISSION: ORANGE, YOURS: VERMILLION}
+_WIDTH, _ROW, _AROUND = 4.3, 0.17, 0.75
+"""Width of a panel, height of a row, and height of a panel without its rows [in]."""
+_SPAN = (-1.0, 4.0)
+"""What the axis may show at most, as digits: FRR from -9 to 0.9999."""
+
+__all__ = ["figures", "ranking_figure"]
 
 
 def ranking_figure(table: pd.DataFrame) -> Figure:
-    """FRR of every competitor with its interval, a panel per environment and variant.
+    """FRR of every competitor with its interval, a panel per environment and variant, best on top.
+
+    The axis is logarithmic in 1 - FRR, so that 0.99 and 0.999 lie as far apart as 0 and 0.9, and no outlier flattens
+    the rest; what lies outside gets an arrow. At the right stand the numbers and the letters of tied groups.
 
     Args:
         table: rows as `leaderboard` gives them.
     """
     table = table[~table["compensator"].isin(BUILT_IN)]
-    envs, variants = table["env"].unique(), table["variant"].unique()
-    figure = Figure(figsize=(3.4 * len(envs), 2.4 * len(variants)), layout="constrained")
-    axes = figure.subplots(len(variants), len(envs), squeeze=False)
+    envs, variants = list(table["env"].unique()), list(table["variant"].unique())
+    rows = max(len(group) for _, group in table.groupby(SET))
+    size = (_WIDTH * len(envs), (_ROW * rows + _AROUND) * len(variants) + 0.3)
+    figure = Figure(figsize=size, layout="constrained")
+    figure.get_layout_engine().set(w_pad=0.08)  # type: ignore[union-attr,call-arg]
+    axes = figure.subplots(len(variants), len(envs), squeeze=False, sharex=True)
+    limits = _limits(table)
     for key, group in table.groupby(SET, sort=False):
-        row, column = list(variants).index(key[1]), list(envs).index(key[0])
-        axis: Axes = axes[row, column]
-        worst_first = group.sort_values("frr", na_position="first", kind="stable")
-        frr, place = worst_first["frr"], np.arange(len(worst_first))
-        spread = np.abs([frr - worst_first["frr_ci_low"], worst_first["frr_ci_high"] - frr])
-        axis.errorbar(frr, place, xerr=spread, fmt="o", color="tab:blue", capsize=3)
-        axis.set_yticks(place, worst_first["compensator"])
+        axis: Axes = axes[variants.index(key[1]), envs.index(key[0])]
+        _draw_ranking(axis, group.sort_values("frr", na_position="first", kind="stable"), limits)
         axis.set_title(f"{key[0]}, {key[1]}", fontsize="medium")
-        axis.xaxis.set_major_locator(MaxNLocator(4))
-        axis.grid(axis="x", alpha=0.3)
-        axis.set_xlabel("friction rejection ratio")
+    origins = [origin for origin in _COLORS if (table["origin"] == origin).any()]
+    _add_legend(figure, origins, ncols=3 * len(envs))
     return figure
 
 
-def trace_figure(traces: list[Trace]) -> Figure:
-    """The nominal episodes of one environment: the tool's path, or a joint's motion."""
-    figure = Figure(figsize=(9.0, 3.6), layout="constrained")
-    left, right = figure.subplots(1, 2)
-    if traces[0].tool is None:
-        _draw_joint(left, right, traces)
-    else:
-        _draw_paths(left, right, traces)
-    left.set_title(f"{traces[0].env}, nominal", fontsize="medium")
-    for axis in (left, right):
-        axis.grid(alpha=0.3)
-    figure.legend(*left.get_legend_handles_labels(), loc="outside right center", fontsize="small")
-    return figure
+def _digits(frr: pd.Series[float]) -> Array:
+    """The place of an FRR on the axis: 0 at 0, 1 at 0.9, 2 at 0.99, -1 at -9; infinite at 1."""
+    with np.errstate(divide="ignore"):
+        return -np.log10(np.maximum(1.0 - frr.to_numpy(dtype=np.float64), 0.0))
 
 
-def _draw_joint(left: Axes, right: Axes, traces: list[Trace]) -> None:
-    """Left: a joint's distance from its target; right: from where it would be without friction, magnified."""
-    joint = min(_JOINT, traces[0].error.shape[1] - 1)
-    ideal = next(trace for trace in traces if trace.compensator == "ideal")
-    reach = 0.0
-    for trace in traces:
-        style = _STYLE.get(trace.compensator, {})
-        left.plot(trace.time, _MILLI * trace.error[:, joint], label=trace.compensator, linewidth=1.1, **style)
-        if trace.compensator not in BUILT_IN:
-            lost = _MILLI * (trace.error - ideal.error)[:, joint]
-            right.plot(trace.time, lost, linewidth=1.1, color=left.lines[-1].get_color())
-            reach = max(reach, 1.3 * float(np.abs(lost[len(lost) // 2 :]).max()))
-    if reach > 0.0:
-        right.set_ylim(-reach, reach)
-    for axis, origin in ((left, "theta_d"), (right, "theta_ideal")):
-        axis.set_xlabel("time [s]")
-        axis.set_ylabel(f"theta - {origin}, joint {joint + 1} [m{traces[0].joint_unit}]")
+def _limits(table: pd.DataFrame) -> tuple[float, float]:
+    """The part of the axis that holds every row, but no more than `_SPAN`."""
+    places = _digits(table["frr"].dropna())
+    low, high = np.clip([np.min(places, initial=1.0), np.max(places, initial=1.0)], *_SPAN)
+    return float(np.floor(low)), max(float(np.ceil(high)), float(np.floor(low)) + 1.0)
 
 
-def _draw_paths(left: Axes, right: Axes, traces: list[Trace]) -> None:
-    """Left: the tool's path in the y-z plane; right: its distance from the reference over time."""
-    for trace in traces:
-        assert trace.tool is not None
-        assert trace.tool_d is not None
-        style = _STYLE.get(trace.compensator, {})
-        left.plot(*(_MILLI * trace.tool[:, 1:].T), label=trace.compensator, linewidth=1.1, **style)
-        distance = np.linalg.norm(trace.tool - trace.tool_d, axis=1)
-        right.plot(trace.time, _MILLI * distance, linewidth=1.1, **style)
-    left.plot(*(_MILLI * traces[0].tool_d[:, 1:].T), color="k", linewidth=0.6, label="reference")  # type: ignore[index]
-    left.set_aspect("equal")
-    left.set_xlabel("y [mm]")
-    left.set_ylabel("z [mm]")
-    right.set_xlabel("time [s]")
-    right.set_ylabel("distance of the tool from its reference [mm]")
+def _draw_ranking(axis: Axes, rows: pd.DataFrame, limits: tuple[float, float]) -> None:
+    """The rows from bottom to top."""
+    heights = np.arange(len(rows))
+    colors = [_COLORS.get(origin, BLUE) for origin in rows["origin"]]
+    values, lows, highs = (np.clip(_digits(rows[name]), *limits) for name in ("frr", "frr_ci_low", "frr_ci_high"))
+    axis.hlines(heights, lows, highs, colors=colors, linewidth=1.4)
+    for height, value, frr, color, verdict in zip(
+        heights, values, _digits(rows["frr"]), colors, rows["verdict"], strict=True
+    ):
+        marker = "<" if frr < limits[0] else ">" if frr > limits[1] else "o"
+        face = "white" if verdict == "behind" else color
+        axis.plot(value, height, marker, color=color, markerfacecolor=face, markersize=4.5, clip_on=False)
+    names = [label(marked(name, origin)) for name, origin in zip(rows["compensator"], rows["origin"], strict=True)]
+    axis.set_yticks(heights, names, fontsize=8)
+    told = ["no score" if np.isnan(frr) else f"{frr:.3f}" for frr in rows["frr"]]
+    letters = ["" if pd.isna(group) else str(group) for group in rows["tied_group"]]
+    numbers = axis.secondary_yaxis("right")
+    numbers.set_yticks(
+        heights, [f"{frr} {group}".rstrip() for frr, group in zip(told, letters, strict=True)], fontsize=8
+    )
+    for height, origin, text in zip(heights, rows["origin"], axis.get_yticklabels(), strict=True):
+        if origin == YOURS:
+            axis.axhspan(height - 0.5, height + 0.5, color=VERMILLION, alpha=0.12, linewidth=0)
+            text.set(color=VERMILLION, fontweight="bold")
+    axis.set_ylim(-0.7, len(rows) - 0.3)
+    digits = np.arange(limits[0], limits[1] + 1.0)
+    axis.set_xlim(*limits)
+    axis.set_xticks(digits, [f"{1.0 - 10.0**-digit:.4g}" for digit in digits])
+    axis.tick_params(axis="x", labelbottom=True)
+    axis.grid(alpha=0.3)
+    axis.set_xlabel("friction rejection ratio (logarithm of 1 - FRR)", fontsize="small")
+
+
+def _add_legend(figure: Figure, origins: list[str], ncols: int) -> None:
+    """Below all panels: what filled and empty marks are, and the colours where there are several."""
+    dot = {"linestyle": "", "marker": "o", "markersize": 4.5}
+    entries = {
+        "best, or tied with it": Line2D([], [], color="0.3", **dot),  # type: ignore[arg-type]
+        "behind": Line2D([], [], color="0.3", markerfacecolor="white", **dot),  # type: ignore[arg-type]
+        "95 % interval": Line2D([], [], color="0.3", linewidth=1.4),
+    }
+    if len(origins) > 1:
+        entries |= {marked(each, each): Line2D([], [], color=_COLORS[each], **dot) for each in origins}  # type: ignore[arg-type]
+    figure.legend(list(entries.values()), list(entries), loc="outside lower center", ncols=ncols, fontsize=8)
 
 
 def figures(results: Results, folder: Path, table: pd.DataFrame | None = None) -> list[Path]:
@@ -115,9 +128,12 @@ def figures(results: Results, folder: Path, table: pd.DataFrame | None = None) -
     Returns:
         The files.
     """
-    drawn = {"ranking": ranking_figure(leaderboard(results.episodes) if table is None else table)}
-    for env in dict.fromkeys(trace.env for trace in results.traces):
-        drawn[env] = trace_figure([trace for trace in results.traces if trace.env == env])
+    table = leaderboard(results.episodes) if table is None else table
+    origins = dict(zip(table["compensator"], table["origin"], strict=True))
+    drawn = {"ranking": ranking_figure(table)}
+    nominal = [trace for trace in results.traces if trace.variant == "nominal"]
+    for env in dict.fromkeys(trace.env for trace in nominal):
+        drawn[env] = trace_figure([trace for trace in nominal if trace.env == env], origins)
     paths = []
     with mpl.rc_context({"savefig.dpi": 110}):
         for name, figure in drawn.items():

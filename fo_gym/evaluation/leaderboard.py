@@ -135,7 +135,7 @@ def standings(episodes: pd.DataFrame) -> pd.DataFrame:
 
 def _generator(*names: str) -> np.random.Generator:
     """A generator of its own for every number, so that adding a competitor leaves the other intervals alone."""
-    digest = hashlib.sha256("/".join(names).encode()).digest()
+    digest = hashlib.sha256("/".join(names).encode("utf-8", "surrogatepass")).digest()
     return np.random.default_rng(int.from_bytes(digest[:8], "little"))
 
 

@@ -11,6 +11,7 @@ from fo_gym.evaluation.leaderboard import leaderboard
 from fo_gym.evaluation.protocol import Protocol
 from fo_gym.evaluation.run import Results
 from fo_gym.evaluation.tables import authors, explained, markdown, rankings, summary
+from fo_gym.evaluation.trace import write_traces
 from fo_gym.files import atomic, csv
 from fo_gym.text import markdown_text
 
@@ -50,15 +51,21 @@ def markdown_page(protocol: Protocol, results: Results, table: pd.DataFrame, pic
         parts += [f"## {ranking.title}\n", markdown(ranking)]
     if made := authors(results.competitors):
         parts += ["## Submissions\n", "\n".join(made) + "\n"]
-    parts += [f"![{path.stem}](figures/{path.name})\n" for path in pictures]
+    parts += [f"![{markdown_text(path.stem)}](figures/{path.name})\n" for path in pictures]
     return "\n".join(parts)
 
 
-def write_results(protocol: Protocol, results: Results, out: Path) -> list[Path]:
+def write_results(protocol: Protocol, results: Results, out: Path, *, traced: bool = False) -> list[Path]:
     """Write episodes.csv, leaderboard.csv, timing.csv, leaderboard.md and the figures into `out`.
 
+    Args:
+        protocol: what was run.
+        results: what came out.
+        out: the folder.
+        traced: whether to write the traces as well, with their index, into the folder "traces".
+
     Returns:
-        What was written.
+        What was written; of the traces, the index alone.
     """
     out.mkdir(parents=True, exist_ok=True)
     table = leaderboard(results.episodes)
@@ -71,4 +78,5 @@ def write_results(protocol: Protocol, results: Results, out: Path) -> list[Path]
     }
     for name, text in texts.items():
         atomic(out / name, text)
-    return [*(out / name for name in texts), *pictures]
+    index = [write_traces(results.traces, results.episodes, out / "traces")] if traced else []
+    return [*(out / name for name in texts), *pictures, *index]

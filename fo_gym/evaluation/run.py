@@ -47,7 +47,7 @@ class Results:
     Attributes:
         episodes: one row per episode, in the protocol's order.
         timing: one row per run: time per call of `estimate`, for the whole batch, when it was computed.
-        traces: the nominal episodes.
+        traces: the nominal episodes, and where asked for (or kept in the store) those of the other variants.
         competitors: who took part, besides `none` and `ideal`.
         runs: number of runs, `none` and `ideal` of a set counted as one.
         stored: how many of them were taken from the store.
@@ -174,7 +174,7 @@ def run_contests(
     return Results(
         episodes=pd.concat([trial.rows for trial in trials], ignore_index=True),
         timing=pd.DataFrame([trial.timing for trial in trials if trial.timing is not None]),
-        traces=[trial.trace for trial in trials if trial.trace is not None],
+        traces=[trace for trial in trials for trace in trial.traces],
         competitors=tuple({competitor.name: competitor for competitor in everybody}.values()),
         runs=sum(1 + len(contest.competitors) for contest in contests),
         stored=runner.stored,
@@ -185,6 +185,7 @@ def run_protocol(
     protocol: Protocol,
     *,
     submissions: Sequence[Competitor] = (),
+    traced: bool = False,
     jobs: int = 1,
     backend: Backend | None = None,
     store: Store | None = None,
@@ -195,6 +196,7 @@ def run_protocol(
     Args:
         protocol: what is run.
         submissions: further competitors.
+        traced: whether the worst, median and best episodes of every variant are kept tick by tick.
         jobs: worker processes; -1 = one per core. With 1 everything runs in this process.
         backend: who does the work, instead of `jobs` processes.
         store: what was computed before is taken from there, what is computed now is kept there; None = neither.
@@ -206,7 +208,7 @@ def run_protocol(
     """
     competitors = competitors_of(protocol, submissions)
     contests = [
-        Contest(EpisodeSet(env_id, variant, protocol.seeds_of(variant), {}), competitors)
+        Contest(EpisodeSet(env_id, variant, protocol.seeds_of(variant), {}, traced), competitors)
         for env_id in protocol.environments
         for variant in protocol.variants
     ]

@@ -3,6 +3,8 @@
 A file per trial, DIR/ENV/VARIANT/KEY.trial: the SHA-256 of the rest in hexadecimal, a line end, and a NumPy archive
 (.npz) of plain arrays, one of which is JSON text. Nothing is unpickled. Numbers come back bit by bit.
 
+A trial that is kept without traces is computed again where they are asked for; one with traces serves either way.
+
 The key covers the environment, the variant, the seeds and arguments, the competitor's spec, gains, source and weights,
 the source of the suite that computes, and the versions of the packages involved. It covers neither protocol nor names:
 two protocols share what they have in common. Failed trials are not kept: they are tried again.
@@ -30,7 +32,7 @@ from fo_gym.evaluation.trace import Trace
 from fo_gym.evaluation.trial import Trial
 from fo_gym.files import atomic
 
-_FORMAT = 1
+_FORMAT = 2
 _JSON = "json"
 
 __all__ = ["Store", "key_of"]
@@ -55,12 +57,16 @@ def key_of(episodes: EpisodeSet, competitor: Competitor) -> str:
 
 
 def _encode(trial: Trial) -> bytes:
-    trace = {} if trial.trace is None else {each.name: getattr(trial.trace, each.name) for each in fields(Trace)}
-    arrays: dict[str, Any] = {name: value for name, value in trace.items() if isinstance(value, np.ndarray)}
+    arrays: dict[str, Any] = {
+        f"{place}.{name}": values for place, trace in enumerate(trial.traces) for name, values in trace.signals.items()
+    }
     text = {
         "rows": trial.rows.to_dict("records"),
         "timing": trial.timing,
-        "trace": {name: value for name, value in trace.items() if name not in arrays},
+        "traces": [
+            {each.name: getattr(trace, each.name) for each in fields(Trace)} | {"signals": list(trace.signals)}
+            for trace in trial.traces
+        ],
     }
     archive = io.BytesIO()
     np.savez_compressed(archive, **arrays | {_JSON: np.frombuffer(json.dumps(text).encode(), np.uint8)})
@@ -75,8 +81,11 @@ def _decode(content: bytes) -> Trial:
     with np.load(io.BytesIO(archive), allow_pickle=False) as members:
         arrays: dict[str, Any] = {name: members[name] for name in members.files}
     text = json.loads(arrays.pop(_JSON).tobytes())
-    trace = Trace(**text["trace"], **arrays) if text["trace"] else None
-    return Trial(pd.DataFrame(text["rows"]), text["timing"], trace)
+    traces = tuple(
+        Trace(**told | {"signals": {name: arrays[f"{place}.{name}"] for name in told["signals"]}})
+        for place, told in enumerate(text["traces"])
+    )
+    return Trial(pd.DataFrame(text["rows"]), text["timing"], traces)
 
 
 class Store:
@@ -98,12 +107,13 @@ class Store:
         return self.folder / episodes.env_id / episodes.variant / f"{key_of(episodes, competitor)}.trial"
 
     def load(self, episodes: EpisodeSet, competitor: Competitor) -> Trial | None:
-        """The trial as it was kept, or None where there is none that can be trusted."""
+        """The trial as it was kept, or None where there is none that can be trusted, or none with what is asked."""
         path = self.path_of(episodes, competitor)
         if self._fresh or not path.is_file():
             return None
         try:
-            return _decode(path.read_bytes())
+            trial = _decode(path.read_bytes())
+            return trial if trial.traces or not episodes.traced else None
         except (OSError, ValueError, KeyError, TypeError, BadZipFile) as error:
             self._notice(f"{path} is damaged ({error}); what it held is computed again")
             return None

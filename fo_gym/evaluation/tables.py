@@ -198,5 +198,5 @@ def markdown(ranking: Ranking) -> str:
     """The ranking as a Markdown table; rows that are yours are bold."""
     rows = [[markdown_text(cell) for cell in row] for row in ranking.cells]
     for place in ranking.own:
-        rows[place] = [f"**{cell}**" if cell else "" for cell in rows[place]]
+        rows[place] = [f"**{cell.strip()}**" if cell.strip() else "" for cell in rows[place]]
     return markdown_table([markdown_text(heading) for heading in ranking.headings], rows)

@@ -12,7 +12,7 @@ import pandas as pd
 from fo_gym.evaluation.competitor import REFERENCE, Competitor
 from fo_gym.evaluation.evaluate import FAILED, EpisodeSet, failed_rows, references_of, rows
 from fo_gym.evaluation.recording import Recording, References
-from fo_gym.evaluation.trace import Trace, trace_of
+from fo_gym.evaluation.trace import Trace, traces_of
 
 NONE = Competitor("none", "none", REFERENCE)
 IDEAL = Competitor("ideal", "ideal", REFERENCE)
@@ -27,12 +27,12 @@ class Trial:
     Attributes:
         rows: one per episode, as `rows` gives them.
         timing: median and 99th percentile of the time per call of `estimate`, for the whole batch; None if it failed.
-        trace: the episode of the nominal variant, thinned; None in the others.
+        traces: the nominal episode, thinned; of other variants the worst, the median and the best, where asked for.
     """
 
     rows: pd.DataFrame
     timing: Mapping[str, Any] | None
-    trace: Trace | None
+    traces: tuple[Trace, ...]
 
     @property
     def failed(self) -> bool:
@@ -46,7 +46,7 @@ class Trial:
         return Trial(
             self.rows.assign(compensator=name, origin=competitor.origin, competitor_hash=content, protocol=protocol),
             None if self.timing is None else {**self.timing, "compensator": name},
-            None if self.trace is None else replace(self.trace, compensator=name),
+            tuple(replace(trace, compensator=name) for trace in self.traces),
         )
 
 
@@ -63,8 +63,10 @@ def _timing(episodes: EpisodeSet, name: str, recording: Recording) -> dict[str, 
 
 
 def _trial(episodes: EpisodeSet, name: str, recording: Recording, references: References) -> Trial:
-    trace = trace_of(episodes.env_id, name, recording) if episodes.variant == "nominal" else None
-    return Trial(rows(episodes, name, recording, references), _timing(episodes, name, recording), trace)
+    scores = rows(episodes, name, recording, references)
+    kept = episodes.traced or episodes.variant == "nominal"
+    traces = traces_of(name, scores, recording, references) if kept else ()
+    return Trial(scores, _timing(episodes, name, recording), traces)
 
 
 def reference_trials(episodes: EpisodeSet) -> tuple[References, Trial, Trial]:
@@ -90,4 +92,4 @@ def competitor_trial(episodes: EpisodeSet, competitor: Competitor, references: R
 
 def failed_trial(episodes: EpisodeSet, competitor: Competitor, error: str) -> Trial:
     """The trial of a competitor that could not be run: no scores, and why."""
-    return Trial(failed_rows(episodes, competitor.name, error), None, None)
+    return Trial(failed_rows(episodes, competitor.name, error), None, ())
