@@ -40,7 +40,7 @@ __all__ = [
 class PDObserver:
     """tau_f_hat = -B L (e' + L_p e), e = theta_n - theta.
 
-    tau_f_hat / tau_f = L (s + L_p) / (s^2 + L s + L L_p). At rest e = -tau_f / (B L L_p): it stops short of the target.
+    tau_f_hat / tau_f = L (s + L_p) / (s^2 + L s + L L_p). At rest e = -tau_f / (B L L_p): it stops off the target.
 
     Args:
         L: bandwidth [1/s], above 0.

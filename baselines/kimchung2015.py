@@ -47,12 +47,12 @@ __all__ = ["KimChungObserver", "kimchung"]
 class KimChungObserver:
     """tau_f_hat = Q (B theta'' + tau_j - tau_m), Q = (3 L^2 s + L^3) / (s + L)^3, with nominal feedback.
 
-    At rest e = -3 tau_f / (B L^2): like the PD-type it stops short of the target and does not hunt.
+    At rest e = -3 tau_f / (B L^2): like the PD-type it stops off the target and does not hunt.
 
     Args:
         L: bandwidth [1/s], above 0.
         tau_k: whether the energy-shaping torque tau_k is added; off, as in its authors' experiments.
-        eps: regularisation of tau_k [ju^2/s^2], above 0.
+        eps: regularisation of tau_k [m^2/s^2 | rad^2/s^2], above 0.
         tie: how fast theta_k returns to theta_n [1/s], above 0; 7 is sqrt(K_p / B) of the paper's single link.
     """
 

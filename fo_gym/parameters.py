@@ -1,7 +1,7 @@
 """What a joint, its friction and its controllers are made of: frozen, checked, with units.
 
 A field takes a float (the same for all joints) or an array with one value per joint.
-"N | N m" reads: N on a sliding joint, N m on a revolute one; "ju" is the joint's own unit, m or rad.
+"N | N m" reads: N on a sliding joint, N m on a revolute one; so does "m | rad".
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ class LuGre:
         sigma_2: viscous coefficient [N s/m | N m s/rad], at least 0.
         f_c: Coulomb friction [N | N m], at least 0, above 0 where sigma_0 is.
         f_s: stiction [N | N m], at least f_c.
-        v_s: Stribeck velocity [ju/s], above 0.
+        v_s: Stribeck velocity [m/s | rad/s], above 0.
     """
 
     sigma_0: Value
@@ -81,7 +81,7 @@ class LuGre:
             )
 
     def steady(self, v: Value) -> Array:
-        """Friction torque tau_f at constant velocity v [ju/s], in N | N m; it opposes v."""
+        """Friction torque tau_f at constant velocity v [m/s | rad/s], in N | N m; it opposes v."""
         g = self.f_c + (self.f_s - self.f_c) * np.exp(-np.square(v / self.v_s))
         return np.asarray(-(np.sign(v) * g * (np.asarray(self.sigma_0) > 0) + self.sigma_2 * np.asarray(v)))
 

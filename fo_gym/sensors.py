@@ -31,10 +31,10 @@ class Signals:
     """Named views of an observation, sampled at the coming tick. Arrays are (..., dof).
 
     Attributes:
-        theta, theta_dot: measured motor position [ju] and velocity [ju/s].
+        theta, theta_dot: measured motor position [m | rad] and velocity [m/s | rad/s].
         tau_j: measured joint torque, K_j (theta - q) [N | N m].
-        theta_n, theta_n_dot: nominal motor, B theta_n'' + tau_j = tau_c [ju, ju/s].
-        theta_d: desired motor position [ju].
+        theta_n, theta_n_dot: nominal motor, B theta_n'' + tau_j = tau_c [m | rad, m/s | rad/s].
+        theta_d: desired motor position [m | rad].
         tau_c: control torque that the coming step applies [N | N m].
         tau_m: motor torque as applied, late and clipped as the motors take it, its mean over the past step [N | N m].
             At the first tick, what has been holding the joints in equilibrium.

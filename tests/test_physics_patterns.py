@@ -1,4 +1,4 @@
-"""The pattern of arXiv:1907.00553, on the registered environments: who hunts, who stops short, who rejects friction.
+"""The pattern of arXiv:1907.00553, on the registered environments: who hunts, stops off the target, rejects friction.
 
 Nominal variant, control at 1 kHz. Competitors that share a feedback run in one batch, a row for each.
 """

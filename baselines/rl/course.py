@@ -17,7 +17,7 @@ class Course:
         joints: of the robot.
         duration: length of an episode [s].
         randomization: ranges of the draws.
-        resolution: error of the motor at which the reward's logarithm bends [ju].
+        resolution: error of the motor at which the reward's logarithm bends [m | rad].
     """
 
     joints: int

@@ -89,7 +89,7 @@ def list_everything() -> None:
     for name in fo_gym.list_compensators():
         say(f"compensator  {name}")
     for name, metric in METRICS.items():
-        say(f"metric       {name} ({metric.better} is better): {metric.description}")
+        say(f"metric       {name} ({metric.unit_text}, {metric.better} is better): {metric.description}")
     for kind, files in (("entry", shipped_entries()), ("protocol", shipped_protocols())):
         for name, path in files.items():
             say(f"{kind:<12} {name}: {path}")

@@ -22,8 +22,8 @@ class MotorPD:
         """Control torque tau_c, N or N m.
 
         Args:
-            theta, theta_dot: measured or nominal motor, (num_envs, dof), ju and ju/s.
-            theta_d: desired motor position, (num_envs, dof), ju.
+            theta, theta_dot: measured or nominal motor, (num_envs, dof), m and m/s | rad and rad/s.
+            theta_d: desired motor position, (num_envs, dof), m | rad.
             gravity: g(q_d), (num_envs, dof), N or N m.
         """
         return gravity - self.gains.kp * (theta - theta_d) - self.gains.kd * theta_dot

@@ -15,7 +15,7 @@ class NominalMotor:
     """B theta_n'' + tau_j = tau_c, in discrete time with the torques of a tick held over the period.
 
     Attributes:
-        theta, theta_dot: nominal motor, (num_envs, dof), ju and ju/s.
+        theta, theta_dot: nominal motor, (num_envs, dof), m and m/s | rad and rad/s.
     """
 
     def __init__(self, num_envs: int, dof: int, dt: float) -> None:

@@ -66,7 +66,7 @@ class StictionEnv(JointEnv):
 
     The task's controller is motor PD, tau_c = -K_p (theta_* - theta_d) - K_d theta_*', with theta_* the measured or
     the nominal motor (`feedback`). What is missing is the friction torque, which the agent estimates. Uncompensated,
-    the motor does not move at all; an integrating estimate hunts; one without integral stops short.
+    the motor does not move at all; an integrating estimate hunts; one without integral stops off the target.
 
     ## Action
 

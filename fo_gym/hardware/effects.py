@@ -57,7 +57,7 @@ class MotorEncoder:
     cut-off is ours.
 
     Attributes:
-        resolution: one step, on the link side [ju], at least 0.
+        resolution: one step, on the link side [m | rad], at least 0.
         cutoff: of the first-order low-pass of the velocity [rad/s], above 0; infinity for none.
     """
 
@@ -154,7 +154,7 @@ class LinkFriction:
     Attributes:
         coulomb: [N | N m], at least 0.
         viscous: [N s/m | N m s/rad], at least 0.
-        width: velocity at which it has nearly reached `coulomb` [ju/s], above 0.
+        width: velocity at which it has nearly reached `coulomb` [m/s | rad/s], above 0.
     """
 
     coulomb: Value
@@ -175,7 +175,7 @@ class GearRipple:
 
     Attributes:
         amplitude: [N | N m], at least 0.
-        period: [ju], above 0.
+        period: [m | rad], above 0.
     """
 
     amplitude: Value

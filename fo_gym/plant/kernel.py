@@ -46,7 +46,7 @@ def bristle_step(z, v, a, h, sigma_0, sigma_1, sigma_2):
     """One bristle over h seconds at velocity v, with a = bristle_rate(v, ...).
 
     Returns:
-        (z, tau_f): deflection at the end of the step [ju]; mean friction torque over it [N | N m], opposing v.
+        (z, tau_f): deflection at the end of the step [m | rad]; mean friction torque over it [N | N m], opposing v.
     """
     w_z, w_v = bristle_mean(a, h)
     z_mean = w_z * z + w_v * v

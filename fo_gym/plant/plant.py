@@ -28,10 +28,10 @@ class PlantState:
     """The full state of a plant, bristles included.
 
     Attributes:
-        q, q_dot: links, (num_envs, dof), ju and ju/s.
-        theta, theta_dot: motors, (num_envs, dof), ju and ju/s.
-        z: bristle deflections, (num_envs, dof), ju.
-        q_dot_before: link velocities one control period ago, (num_envs, dof), ju/s.
+        q, q_dot: links, (num_envs, dof), m and m/s | rad and rad/s.
+        theta, theta_dot: motors, (num_envs, dof), m and m/s | rad and rad/s.
+        z: bristle deflections, (num_envs, dof), m | rad.
+        q_dot_before: link velocities one control period ago, (num_envs, dof), m/s | rad/s.
         time: (num_envs,), s.
     """
 

@@ -49,7 +49,7 @@ class Case:
     Attributes:
         robot: the link side as the plant loads it.
         equations: joints, friction and links as the solver knows them.
-        pose: link positions at the start, (dof,), ju.
+        pose: link positions at the start, (dof,), m | rad.
         gains: fields of the solver's `Control`.
         tau_ext: torque on the links over every control period, (periods, dof), N or N m.
         mass_scale: factor on the masses of the robot file.

@@ -64,5 +64,5 @@ def solver(case: Case, method: str = "LSODA", rtol: float = RTOL, atol: float = 
 
 
 def motion(case: Case, period: Stepper) -> Array:
-    """Links and motors at the ticks of a whole case, after the first, (periods, 2, dof), ju."""
+    """Links and motors at the ticks of a whole case, after the first, (periods, 2, dof), m | rad."""
     return np.array([period(push) for push in case.tau_ext])

@@ -44,7 +44,7 @@ class TaskControl(Protocol):
         """Control torque tau_c at the current ticks, (num_envs, dof), from the measured or nominal motor."""
 
     def distance(self, plant: FlexibleJointPlant) -> Array:
-        """How far the plant is from the reference, (num_envs,), in ju (root mean square), or m of the tool."""
+        """How far the plant is from the reference, (num_envs,), in m | rad (root mean square), or m of the tool."""
 
 
 class StepControl:

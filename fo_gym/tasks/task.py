@@ -34,7 +34,7 @@ class Randomization:
         viscous: factor on sigma_2.
         motor_inertia, stiffness: factors on B and K_j.
         mass: factor on the masses of the robot file, one for all links.
-        start: largest offset of each joint at reset [ju], uniform.
+        start: largest offset of each joint at reset [m | rad], uniform.
         step: factor on the size of the target's step, uniform, with a random sign per joint.
         push_time: start of the push [s], uniform.
         push: factor on the push, uniform, with a random sign.
@@ -75,9 +75,9 @@ class Task:
         joint_unit: "m" or "rad".
         joints, friction, gains: nominal parameters; PDGains ask for motor PD, ImpedanceGains for impedance.
         duration: length of an episode [s].
-        accuracy: distance at which the reward's first term is one half [ju, or m of the tool].
-        q_start: links at reset [ju].
-        step, step_time: jump of the target [ju] and when [s]; None where a path is followed.
+        accuracy: distance at which the reward's first term is one half [m | rad, or m of the tool].
+        q_start: links at reset [m | rad].
+        step, step_time: jump of the target [m | rad] and when [s]; None where a path is followed.
         path: the tool's path, or None.
         push: the push of the nominal variant, or None.
         random_push: the push that "randomized" varies.

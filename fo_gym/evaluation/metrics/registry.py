@@ -54,6 +54,11 @@ class Metric:
         if self.name != HEADLINE and not self.name.endswith(ending):
             raise ValueError(f"metric {self.name!r} is in {self.unit!r}; its name must end in {ending!r}")
 
+    @property
+    def unit_text(self) -> str:
+        """The unit for readers, who need not know what "ju" is."""
+        return {"ju": "m or rad", "1": "no unit"}.get(self.unit, self.unit)
+
 
 _registered: dict[str, Metric] = {}
 

@@ -1,4 +1,4 @@
-"""The six panels of the simulation: who hunts, who settles, who stops short.
+"""The six panels of the simulation: who hunts, who settles, who stops off the target.
 
 The paper shows curves, not numbers: what a panel shows is a verdict, and the bounds below are what it takes. A joint
 hunts if it still moves by a tenth of a millimetre or more after ten seconds, rests if it moves by less than a

@@ -27,7 +27,7 @@ class Point:
     """A method at one setting.
 
     Attributes:
-        error: largest distance of links and motors from the truth, at the ticks [ju].
+        error: largest distance of links and motors from the truth, at the ticks [m | rad].
         seconds: time spent per simulated second, the median of the repeats.
     """
 
