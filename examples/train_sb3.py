@@ -20,7 +20,7 @@ def make_env(seed: int, level: float = 3.0) -> gym.Env:
     """The stiction task, seeded, with actions in [-1, 1] meaning +-`level` N, and observations in units of about 1."""
     joint = fo_gym.FlexibleJoint(stiffness=3000.0, damping=0.0, motor_inertia=1.0, torque_limit=level)
     env: gym.Env = gym.make("FJRStiction-v0", variant="randomized", decimation=10, duration=5.0, joints=joint)
-    scale = np.array([100.0, 100.0, 1.0, 100.0, 100.0, 100.0, 1.0])
+    scale = np.array([100.0, 100.0, 1.0, 100.0, 100.0, 100.0, 1.0, 1.0, 0.1])
     space = gym.spaces.Box(-np.inf, np.inf, scale.shape, np.float64)
     env = gym.wrappers.TransformObservation(env, lambda observation: scale * observation, space)
     env = Monitor(gym.wrappers.RescaleAction(env, np.float64(-1.0), np.float64(1.0)))
