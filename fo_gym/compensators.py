@@ -6,8 +6,10 @@ import hashlib
 import importlib
 import importlib.util
 import inspect
+import math
 import sys
 import warnings
+from collections.abc import Mapping
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
@@ -23,12 +25,17 @@ Array = NDArray[np.float64]
 GROUP = "fo_gym.compensators"
 BUILT_IN = ("none", "ideal")
 
+_OURS = "fo-gym"
+"""The distribution whose plug-ins are the project's own."""
+
 __all__ = [
     "BUILT_IN",
     "Compensator",
     "CompensatorError",
     "Ideal",
     "NoCompensation",
+    "declared_gains",
+    "is_ours",
     "list_compensators",
     "make_compensator",
 ]
@@ -73,11 +80,17 @@ class Ideal(NoCompensation):
     """`ideal`: no compensation on joints without friction; a reference, not a competitor."""
 
 
+def _is_own(entry: EntryPoint) -> bool:
+    return entry.dist is not None and entry.dist.name == _OURS
+
+
 def _plug_ins() -> dict[str, tuple[EntryPoint, ...]]:
-    """Registered names and what each stands for; a name that two plug-ins claim has both."""
+    """Registered names and what each stands for; a name that two plug-ins claim has both, ours nobody else can."""
     found: dict[str, dict[str, EntryPoint]] = {}
-    for entry in sorted(entry_points(group=GROUP), key=lambda entry: entry.name):
-        if entry.name in BUILT_IN:
+    registered = sorted(entry_points(group=GROUP), key=lambda entry: entry.name)
+    ours = {entry.name for entry in registered if _is_own(entry)}
+    for entry in registered:
+        if entry.name in BUILT_IN or (entry.name in ours and not _is_own(entry)):
             warnings.warn(f"plug-in {entry.value!r} is ignored: the name {entry.name!r} is reserved", stacklevel=2)
             continue
         found.setdefault(entry.name, {})[entry.value] = entry
@@ -87,6 +100,14 @@ def _plug_ins() -> dict[str, tuple[EntryPoint, ...]]:
 def list_compensators() -> list[str]:
     """Registered names: the built-in `none` and `ideal`, then the plug-ins of `fo_gym.compensators`."""
     return [*BUILT_IN, *_plug_ins()]
+
+
+def is_ours(spec: str) -> bool:
+    """Whether a spec names the project's own code: `none`, `ideal`, or what its own distribution registered.
+
+    Everything else is a stranger's code, which evaluations run in a process of its own.
+    """
+    return spec in BUILT_IN or any(_is_own(entry) for entry in _plug_ins().get(spec, ()))
 
 
 def _module_from_file(path: Path) -> Any:
@@ -136,7 +157,7 @@ def _factory(spec: str) -> Any:
 
 
 def make_compensator(spec: str, **gains: Any) -> Compensator:
-    """Make a compensator.
+    """Make a compensator, in this process: whatever code `spec` names runs here (`evaluate` has it run elsewhere).
 
     Args:
         spec: a registered name (see `list_compensators`), "module:Class" or "file.py:Class".
@@ -174,3 +195,10 @@ def checked(candidate: Any, name: str) -> Compensator:
     if candidate.feedback not in ("measured", "nominal"):
         raise TypeError(f"compensator {name!r}: feedback is {candidate.feedback!r}; allowed are 'measured', 'nominal'")
     return candidate
+
+
+def declared_gains(compensator: Any) -> dict[str, tuple[float, float, float]]:
+    """The gains that may be tuned, its `search_space`: {name: (low, high, its own)}; NaN without such an attribute."""
+    space: Mapping[str, tuple[float, float]] = getattr(compensator, "search_space", {})
+    own = {name: float(getattr(compensator, name, math.nan)) for name in space}
+    return {name: (float(low), float(high), own[name]) for name, (low, high) in space.items()}

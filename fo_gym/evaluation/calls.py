@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from fo_gym.compensators import Compensator, CompensatorError
 from fo_gym.envs.vector import JointVectorEnv
+from fo_gym.evaluation.guard.faults import EndedError, kind_of
 from fo_gym.sensors import Signals
 
 Array = NDArray[np.float64]
@@ -18,8 +19,10 @@ def checked_reset(compensator: Compensator, name: str, env: JointVectorEnv) -> N
     """Start the compensator on the current episodes of `env`. Raises CompensatorError for whatever it raises."""
     try:
         compensator.reset(env.joint_info, env.num_envs)
+    except EndedError as error:
+        raise CompensatorError(f"{name}: reset: {error}") from error
     except (Exception, SystemExit) as error:
-        raise CompensatorError(f"{name}: reset raised {type(error).__name__}: {error}") from error
+        raise CompensatorError(f"{name}: reset raised {kind_of(error)}: {error}") from error
 
 
 def checked_estimate(
@@ -32,8 +35,10 @@ def checked_estimate(
     """
     try:
         answer = np.asarray(compensator.estimate(signals), dtype=np.float64)
+    except EndedError as error:
+        raise CompensatorError(f"{name}: estimate at tick {tick}: {error}") from error
     except (Exception, SystemExit) as error:
-        raise CompensatorError(f"{name}: estimate raised {type(error).__name__} at tick {tick}: {error}") from error
+        raise CompensatorError(f"{name}: estimate raised {kind_of(error)} at tick {tick}: {error}") from error
     if answer.shape != signals.theta.shape:
         raise CompensatorError(
             f"{name}: estimate returned shape {answer.shape} at tick {tick}; (num_envs, dof) is {signals.theta.shape}"

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from fo_gym.compensators import Compensator, make_compensator
+from fo_gym.compensators import Compensator, is_ours, make_compensator
 from fo_gym.evaluation.content import Content, content_of, digest
+from fo_gym.evaluation.guard.limits import Limits
+from fo_gym.evaluation.guard.proxy import Guarded
 
 BASELINE, SUBMISSION, YOURS, REFERENCE = "baseline", "submission", "yours", "reference"
 """Where a competitor comes from: the protocol, the folder of submissions, who runs the command, or the suite itself
@@ -36,6 +39,7 @@ class Competitor:
         sets: gains that replace them, by environment and variant.
         authors: who made it.
         link: where it is described, or "".
+        limits: what it may use where it runs in a process of its own.
     """
 
     name: str
@@ -45,14 +49,31 @@ class Competitor:
     sets: Mapping[tuple[str, str], Gains] = field(default_factory=dict)
     authors: tuple[str, ...] = ()
     link: str = ""
+    limits: Limits = Limits()  # noqa: RUF009 (it is frozen)
 
     def gains_on(self, env_id: str, variant: str) -> Gains:
         """The gains on an environment and variant."""
         return self.sets.get((env_id, variant), self.gains)
 
+    @property
+    def guarded(self) -> bool:
+        """Whether it runs in a process of its own: submissions do, and whatever is not the project's own code."""
+        return self.origin == SUBMISSION or not is_ours(self.spec)
+
     def make(self, env_id: str, variant: str) -> Compensator:
-        """The compensator with its gains there. Raises as `make_compensator` does."""
-        return make_compensator(self.spec, **self.gains_on(env_id, variant))
+        """The compensator with its gains there, or what stands for it here. Raises as `make_compensator` does."""
+        gains = self.gains_on(env_id, variant)
+        return Guarded(self.spec, gains, self.limits) if self.guarded else make_compensator(self.spec, **gains)
+
+    @contextmanager
+    def playing(self, env_id: str, variant: str) -> Iterator[Compensator]:
+        """What `make` gives, for a `with` statement, after which the process that it may have is no more."""
+        compensator = self.make(env_id, variant)
+        try:
+            yield compensator
+        finally:
+            if isinstance(compensator, Guarded):
+                compensator.close()
 
     @cached_property
     def content(self) -> Content:

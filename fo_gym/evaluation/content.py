@@ -30,8 +30,10 @@ from fo_gym.compensators import BUILT_IN, GROUP
 SUITE = ("fo_gym", "envs_assets")
 """Packages that make up the suite itself: they count through `suite`, not as part of a competitor."""
 
-# Running and scoring; the package itself, which registers the environments by name.
-_COMPUTES = ("fo_gym.evaluation.trial", "fo_gym")
+# Running and scoring; where the process of a stranger's code begins, and what answers there, which are named as text;
+# the package itself, which registers the environments by name.
+_GUARD = "fo_gym.evaluation.guard"
+_COMPUTES = ("fo_gym.evaluation.trial", f"{_GUARD}.boot", f"{_GUARD}.server", "fo_gym")
 _ENVIRONMENTS = Path(__file__).parents[1] / "envs"
 _LONGEST_NAME = 200
 

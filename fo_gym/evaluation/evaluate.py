@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -106,6 +107,7 @@ def evaluate(
 
     Args:
         compensator: a registered name, "module:Class", "file.py:Class", an entry (*.toml), a class or an instance.
+            What is named, and is not the project's own, runs in a process of its own; classes and instances in this.
         env_id: a registered environment, such as "FJRStiction-v0".
         variant: variant of it; "nominal" is one episode.
         seeds: how many validation seeds, or the seeds themselves.
@@ -122,19 +124,23 @@ def evaluate(
     for fixed, why in (("feedback", "it is the compensator's"), ("action_mode", "estimates are scored")):
         if fixed in env_kwargs:
             raise ValueError(f"{fixed} cannot be chosen in an evaluation: {why}; leave it out")
-    name, instance, content = _named(compensator, env_id, variant)
-    episodes = EpisodeSet(env_id, variant, evaluation_seeds(variant, seeds), env_kwargs)
-    none, ideal = references_of(episodes)
-    references = References(ideal.motions, none.motions)
-    table = rows(episodes, name, episodes.record(instance, name), references)
+    with _playing(compensator, env_id, variant) as (name, instance, content):
+        episodes = EpisodeSet(env_id, variant, evaluation_seeds(variant, seeds), env_kwargs)
+        none, ideal = references_of(episodes)
+        recording = episodes.record(instance, name)
+    table = rows(episodes, name, recording, References(ideal.motions, none.motions))
     return table.assign(competitor_hash=content)
 
 
-def _named(compensator: str | type | Compensator, env_id: str, variant: str) -> tuple[str, Compensator, str]:
+@contextmanager
+def _playing(
+    compensator: str | type | Compensator, env_id: str, variant: str
+) -> Iterator[tuple[str, Compensator, str]]:
     """Name, instance and hash of what a user may hand over: a name, a spec, an entry, a class or an instance."""
     if isinstance(compensator, str):
         competitor = competitor_of(compensator)
-        return competitor.name, competitor.make(env_id, variant), competitor.hash_on(env_id, variant)
-    name = compensator.__name__ if isinstance(compensator, type) else type(compensator).__name__
-    instance = compensator() if isinstance(compensator, type) else compensator
-    return name, checked(instance, name), ""
+        with competitor.playing(env_id, variant) as instance:
+            yield competitor.name, instance, competitor.hash_on(env_id, variant)
+    else:
+        name = compensator.__name__ if isinstance(compensator, type) else type(compensator).__name__
+        yield name, checked(compensator() if isinstance(compensator, type) else compensator, name), ""

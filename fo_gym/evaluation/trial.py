@@ -83,8 +83,8 @@ def reference_trials(episodes: EpisodeSet) -> tuple[References, Trial, Trial]:
 def competitor_trial(episodes: EpisodeSet, competitor: Competitor, references: References) -> Trial:
     """One competitor on one set of episodes. Whatever goes wrong in it becomes its failed rows."""
     try:
-        compensator = competitor.make(episodes.env_id, episodes.variant)
-        recording = episodes.record(compensator, competitor.name)
+        with competitor.playing(episodes.env_id, episodes.variant) as compensator:
+            recording = episodes.record(compensator, competitor.name)
     except (Exception, SystemExit) as error:
         return failed_trial(episodes, competitor, f"{type(error).__name__}: {error}")
     return _trial(episodes, competitor.name, recording, references)

@@ -4,13 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
 
-from fo_gym.compensators import make_compensator
+from fo_gym.compensators import declared_gains
+from fo_gym.evaluation.competitor import Competitor
+from fo_gym.evaluation.guard.proxy import Guarded
 
 Space = Mapping[str, tuple[float, float]]
 
 __all__ = ["Space", "default_gains", "search_space"]
+
+
+def _declared(spec: str) -> Mapping[str, tuple[float, float, float]]:
+    """Gains with their range and the compensator's own value, as `declared_gains` has them."""
+    with Competitor(spec, spec).playing("", "") as compensator:
+        return compensator.declared() if isinstance(compensator, Guarded) else declared_gains(compensator)
 
 
 def search_space(spec: str) -> Space:
@@ -19,8 +26,7 @@ def search_space(spec: str) -> Space:
     Raises:
         ValueError: it declares none, or a range is not 0 < low < high.
     """
-    compensator: Any = make_compensator(spec)
-    space: Space = getattr(compensator, "search_space", {})
+    space = {name: (low, high) for name, (low, high, _) in _declared(spec).items()}
     if not space:
         raise ValueError(
             f"compensator {spec!r} declares no gains to tune; give its class an attribute "
@@ -38,8 +44,8 @@ def default_gains(spec: str) -> dict[str, float]:
     Raises:
         ValueError: an attribute is missing.
     """
-    compensator = make_compensator(spec)
-    missing = [name for name in search_space(spec) if not hasattr(compensator, name)]
+    own = {name: value for name, (_, _, value) in _declared(spec).items()}
+    missing = [name for name, value in own.items() if math.isnan(value)]
     if missing:
         raise ValueError(f"compensator {spec!r} has no attributes {missing}; the search starts from them")
-    return {name: float(getattr(compensator, name)) for name in search_space(spec)}
+    return own

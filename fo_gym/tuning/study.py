@@ -13,7 +13,7 @@ from optuna.storages import JournalStorage
 from optuna.storages.journal import JournalFileBackend
 from optuna.trial import FrozenTrial, TrialState
 
-from fo_gym.compensators import make_compensator
+from fo_gym.evaluation.competitor import Competitor
 from fo_gym.evaluation.evaluate import EpisodeSet, references_of, rows
 from fo_gym.evaluation.recording import References
 from fo_gym.evaluation.seeds import TUNING_SEEDS, VALIDATION_SEEDS, first
@@ -62,6 +62,10 @@ class Case:
         """What to call it, also as a file."""
         return f"{self.spec}-{self.env_id}-{self.variant}".replace(":", "-").replace("/", "-")
 
+    def competitor(self, gains: Mapping[str, float]) -> Competitor:
+        """The compensator with these gains."""
+        return Competitor(self.spec, self.spec, gains=gains)
+
 
 @dataclass(frozen=True)
 class Outcome:
@@ -82,14 +86,15 @@ class _Scorer:
     """Mean FRR of gains on one set of episodes."""
 
     def __init__(self, case: Case, seeds: tuple[int, ...]) -> None:
-        self._spec = case.spec
+        self._case = case
         self._episodes = EpisodeSet(case.env_id, case.variant, seeds, {})
         none, ideal = references_of(self._episodes)
         self._references = References(ideal.motions, none.motions)
 
     def __call__(self, gains: Mapping[str, float]) -> float:
-        recording = self._episodes.record(make_compensator(self._spec, **gains), self._spec)
-        frr = rows(self._episodes, self._spec, recording, self._references)["frr"].to_numpy()
+        with self._case.competitor(gains).playing(self._case.env_id, self._case.variant) as compensator:
+            recording = self._episodes.record(compensator, self._case.spec)
+        frr = rows(self._episodes, self._case.spec, recording, self._references)["frr"].to_numpy()
         return float(np.maximum(np.nan_to_num(frr, nan=WORST), WORST).mean())
 
 
@@ -114,7 +119,8 @@ def run_study(case: Case, folder: Path, on_trial: OnTrial | None = None) -> Outc
     def objective(trial: optuna.Trial) -> float:
         gains = {name: trial.suggest_float(name, low, high, log=True) for name, (low, high) in space.items()}
         try:
-            make_compensator(case.spec, **gains)
+            with case.competitor(gains).playing(case.env_id, case.variant):
+                pass
         except ValueError as error:
             raise optuna.TrialPruned(str(error)) from error
         return score(gains)

@@ -1,0 +1,38 @@
+"""How a competitor in a process of its own fails, and its words as plain text of bounded length."""
+
+from __future__ import annotations
+
+from typing import Any
+
+LONGEST_TEXT = 2000
+"""Characters that are kept of what a competitor says."""
+
+__all__ = ["LONGEST_TEXT", "EndedError", "RaisedError", "kind_of", "plain"]
+
+
+class EndedError(RuntimeError):
+    """The competitor's process ended itself or was ended; the message says by which limit."""
+
+
+class RaisedError(RuntimeError):
+    """The competitor raised; the message is its own, and where in its code.
+
+    Attributes:
+        kind: name of what it raised.
+    """
+
+    def __init__(self, kind: str, message: str) -> None:
+        super().__init__(message)
+        self.kind = kind
+
+
+def kind_of(error: BaseException) -> str:
+    """The name of what a compensator raised, here or in a process of its own."""
+    return error.kind if isinstance(error, RaisedError) else type(error).__name__
+
+
+def plain(words: Any, longest: int = LONGEST_TEXT) -> str:
+    """A stranger's words as text: no terminal's or other control characters, not longer than `longest`."""
+    text = words if isinstance(words, str) else repr(words)
+    text = text if len(text) <= longest else f"{text[:longest]} ..."
+    return "".join(each if each.isprintable() or each == "\n" else "\N{REPLACEMENT CHARACTER}" for each in text)
