@@ -72,3 +72,7 @@ class Signals:
             raise ValueError(f"observation has {obs.shape[-1]} values; {dof} joint(s) need at least {end + 1}")
         blocks = {name: obs[..., i * dof : (i + 1) * dof] for i, name in enumerate(SIGNALS)}
         return cls(**blocks, time=obs[..., end : end + 1], reference=obs[..., end + 1 :], available=available)
+
+    def observation(self) -> Array:
+        """A new array with what `from_observation` takes apart, (..., 8 dof + 1 + k)."""
+        return np.concatenate([*(getattr(self, name) for name in SIGNALS), self.time, self.reference], axis=-1)

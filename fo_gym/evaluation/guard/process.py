@@ -102,7 +102,7 @@ class Process:
         paths = json.dumps([os.path.abspath(path) for path in sys.path])
         with theirs:
             self._process = subprocess.Popen(
-                [sys.executable, "-I", "-c", _BOOT, paths, str(theirs.fileno()), str(self.memory)],
+                [sys.executable, "-I", "-u", "-c", _BOOT, paths, str(theirs.fileno()), str(self.memory)],
                 stdin=subprocess.DEVNULL,
                 stdout=self._output,
                 stderr=self._output,

@@ -35,7 +35,7 @@ from fo_gym.evaluation.guard.limits import Limits
 from fo_gym.evaluation.guard.process import Process
 from fo_gym.evaluation.guard.readable import readable
 from fo_gym.parameters import JointInfo
-from fo_gym.sensors import SIGNALS, Signals
+from fo_gym.sensors import Signals
 
 Array = NDArray[np.float64]
 
@@ -106,7 +106,7 @@ class Guarded:
 
     def estimate(self, signals: Signals) -> Array:
         """See `Compensator`; an array of its own every time. Raises RaisedError and EndedError as `reset` does."""
-        observations = np.concatenate([getattr(signals, name) for name in (*SIGNALS, "reference")], axis=-1)
+        observations = signals.observation()
         num_envs, dof = signals.theta.shape
         if not self._begun:
             sizes = {"num_envs": num_envs, "dof": dof, "width": observations.shape[1]}

@@ -9,11 +9,12 @@ from pathlib import Path
 from typing import Any
 
 _SYSTEM = (
-    *("/usr", "/lib", "/lib32", "/lib64", "/bin", "/nix/store", "/proc", "/sys/devices/system"),
+    *("/usr", "/lib", "/lib32", "/lib64", "/bin", "/nix/store", "/sys/devices/system"),
+    *("/proc/self", "/proc/cpuinfo", "/proc/meminfo", "/proc/stat"),
     *("/dev/zero", "/dev/random", "/dev/urandom"),
     *("/etc/ld.so.cache", "/etc/localtime", "/etc/nsswitch.conf", "/etc/passwd"),
 )
-"""What Python and its libraries read besides their own folders; Landlock keeps a process to its own part of /proc."""
+"""What Python and its libraries read besides their own folders. /proc/self is that of the process that opens it."""
 
 __all__ = ["readable"]
 

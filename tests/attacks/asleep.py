@@ -1,0 +1,9 @@
+"""A competitor that is never made."""
+
+import time
+
+time.sleep(1e6)
+
+
+class Asleep:
+    pass
