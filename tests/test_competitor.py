@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -105,6 +106,7 @@ def test_a_gain_that_names_a_file_beside_the_entry_is_that_file(write: Write) ->
         ('"B. Author"', r'"B\nAuthor"', "each a line of text"),
         ("https://", "javascript:", "link is 'javascript:.*give an address https://"),
         ("L = 80.0", "L = ", r"theirs\.toml: "),
+        ("L = 80.0", "L = " + 10_000 * "[", r"theirs\.toml: "),
         ('"FJRSquare-v0"', '"FJRNothing-v0"', "set 1: env is 'FJRNothing-v0'; allowed are FJRStiction-v0"),
         ('"randomized"', '"wild"', "set 1: variant is 'wild'; allowed are nominal, randomized"),
         ('variant = "randomized"\n', "", r"set 1: missing keys \['variant'\].*it needs env, variant, gains"),
@@ -234,6 +236,21 @@ def test_nothing_is_imported_or_run_to_find_out(write: Write) -> None:
     assert set(content_of(f"{write(broken_py='class Mine(:')}:Mine").files) == {"broken.py"}
     for spec in ("nobody", "nowhere.py:Mine", "nowhere.at_all:Mine", "none", "ideal"):
         assert content_of(spec).files == {}, spec
+
+
+def test_no_source_file_ends_the_search(write: Write, tmp_path: Path) -> None:
+    """However deep its syntax: the file counts, and fails when it is run; nor do links in circles, nor what never ends."""
+    deep = {"minus": "x = " + 100_000 * "-" + "1", "plus": "x = 1" + 100_000 * "+1", "else": "if x: pass\n"}
+    deep["else"] += 30_000 * "elif x: pass\n"
+    for name, source in deep.items():
+        assert set(content_of(f"{write(mine_py=source)}:Mine").files) == {"mine.py"}, name
+    (tmp_path / "nets").mkdir()
+    for name in ("a", "b", "c"):
+        (tmp_path / "nets" / name).symlink_to(tmp_path / "nets")
+    os.mkfifo(tmp_path / "pipe")
+    os.mkfifo(tmp_path / "nets" / "pipe")
+    path = write(mine_py="W = ['nets', 'pipe']")
+    assert set(content_of(f"{path}:Mine").files) == {"mine.py"}
 
 
 def test_files_that_a_file_names_count(write: Write, tmp_path: Path) -> None:

@@ -111,6 +111,7 @@ def test_in_one_process_they_would_have_found_it(cheat: str) -> None:
     assert np.abs(found.ticks["theta"] - honest.ticks["theta"]).max() > 1e-7
 
 
+@pytest.mark.slow
 def test_whoever_ends_ends_alone(undisturbed: pd.DataFrame) -> None:
     table = table_of(*(Competitor(attack, spec(attack)) for attack in FAILURES), OURS)
     assert_undisturbed(table, undisturbed)
@@ -119,6 +120,7 @@ def test_whoever_ends_ends_alone(undisturbed: pd.DataFrame) -> None:
     assert [a for a, why in FAILURES.items() if not re.search(why, rows.loc[a, "error"])] == []
 
 
+@pytest.mark.slow
 def test_nobody_wants_too_much(undisturbed: pd.DataFrame) -> None:
     wanting = (Competitor(attack, spec(attack), limits=limits) for attack, (limits, _) in WANTING.items())
     table = table_of(*wanting, OURS)

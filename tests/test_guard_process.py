@@ -114,12 +114,10 @@ def test_every_way_out_is_shut(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     """And they are ways out: without the guard most of them are open."""
     monkeypatch.setenv("SECRET_TOKEN", "s3cr3t")
     own, others = tmp_path / "own", tmp_path / "others"
-    for folder, name, content in (
-        (own, "escapes.py", (ATTACKS / "escapes.py").read_text()),
-        (others, "secret.txt", ""),
-    ):
-        folder.mkdir()
-        (folder / name).write_text(content, encoding="utf-8")
+    own.mkdir()
+    (own / "escapes.py").write_bytes((ATTACKS / "escapes.py").read_bytes())
+    others.mkdir()
+    (others / "secret.txt").touch()
     spec, gains = f"{own / 'escapes.py'}:Escapist", {"folder": [str(others)], "token": "SECRET_TOKEN"}
     with Competitor("escapist", spec, gains=gains).playing(STICTION, "nominal") as there:
         there.reset(fo_gym.JointInfo(1, *3 * [np.ones((1, 1))], 1e-3), 1)
@@ -128,10 +126,9 @@ def test_every_way_out_is_shut(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     program = f"from fo_gym import make_compensator; make_compensator({spec!r}, **{gains!r})"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     found = done.stderr.splitlines()[-1].partition("open: ")[2].split(", ")
-    assert {"fork", "spawn", "signal_parent", "connect", "hidden_memory", "outlive_parent", "hurry"} <= set(found)
-    assert {"read", "list", "write", "write beside itself", "folder", "mode", "time", "truncate", "remove"} <= set(
-        found
-    )
+    processes = {"fork", "spawn", "signal_parent", "connect", "hidden_memory", "outlive_parent", "hurry"}
+    files = {"read", "list", "write", "write beside itself", "folder", "mode", "time", "truncate", "remove"}
+    assert processes | files <= set(found)
 
 
 def test_without_a_protection_it_says_so(mine: str, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -52,7 +52,14 @@ def test_the_environments_of_the_readme_run() -> None:
 
 
 def test_every_file_that_the_pages_name_exists() -> None:
-    for page in ("README.md", "CONTRIBUTING.md", "docs/learning.md", "docs/protocol.md", "envs_assets/README.md"):
+    for page in (
+        "README.md",
+        "CONTRIBUTING.md",
+        "docs/learning.md",
+        "docs/protocol.md",
+        "envs_assets/README.md",
+        "docs/security.md",
+    ):
         text = (ROOT / page).read_text(encoding="utf-8")
         named = re.findall(r"\]\(([^)#:]+)\)", text) + re.findall(
             r"`((?:fo_gym|baselines|tests|examples)/[\w./]+)`", text

@@ -91,7 +91,7 @@ def _tree(path: Path) -> ast.AST:
     """The syntax of a source file; an empty one for what is none, which fails when it is run."""
     try:
         return ast.parse(path.read_bytes() if path.suffix == ".py" else b"")
-    except (SyntaxError, ValueError):
+    except (SyntaxError, ValueError, RecursionError, MemoryError):  # the last two: it is nested too deeply
         return ast.Module([], [])
 
 
@@ -148,14 +148,14 @@ def _own(root: str) -> Callable[[str], bool]:
 
 
 def _files_below(folder: Path) -> Iterator[Path]:
-    """Data of a package: neither Python source, nor sub-packages, nor what is hidden."""
+    """Data of a package: neither Python source, nor sub-packages, nor what is hidden, nor folders by way of a link."""
     for path in sorted(folder.iterdir()):
         if path.name.startswith(".") or path.name == "__pycache__":
             continue
         if path.is_dir():
-            if not (path / "__init__.py").is_file():
+            if not (path / "__init__.py").is_file() and not path.is_symlink():
                 yield from _files_below(path)
-        elif path.suffix not in (".py", ".pyc"):
+        elif path.is_file() and path.suffix not in (".py", ".pyc"):
             yield path
 
 
@@ -165,9 +165,12 @@ def _named_beside(file: Path) -> Iterator[Path]:
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and 0 < len(node.value) < _LONGEST_NAME:
             path = Path(node.value)
             beside = file.parent / path
-            if path.is_absolute() or ".." in path.parts or not path.parts or not beside.exists():
+            if path.is_absolute() or ".." in path.parts or not path.parts:
                 continue
-            yield from _files_below(beside) if beside.is_dir() else (beside,)
+            if beside.is_dir():
+                yield from _files_below(beside)
+            elif beside.is_file():
+                yield beside
 
 
 def _data(name: str, path: Path) -> dict[str, Path]:

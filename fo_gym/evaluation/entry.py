@@ -89,7 +89,7 @@ def load_entry(path: Path) -> Competitor:
         raise ValueError(f"there is no entry {path}; shipped ones are {', '.join(shipped_entries()) or 'none'}")
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise ValueError(f"entry {path}: {error}") from error
     _check_keys(path, "", content, _NEEDED, _ALLOWED)
     for key, kind in (("spec", str), ("link", str), ("name", str), ("authors", list), ("gains", dict), ("sets", list)):

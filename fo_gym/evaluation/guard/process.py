@@ -55,7 +55,8 @@ class Closes(Protocol):
 def _environment(scratch: str) -> dict[str, str]:
     # One thread each, as in the workers: more would fight for the cores, and move last digits.
     kept = dict.fromkeys(_THREADS, "1") | {name: os.environ[name] for name in _KEPT if name in os.environ}
-    return {**kept, "HOME": scratch, "TMPDIR": scratch, "NUMBA_CACHE_DIR": scratch}
+    # MuJoCo, which a competitor may build on, would else start a process to look for a screen.
+    return {**kept, "MUJOCO_GL": "disable", "HOME": scratch, "TMPDIR": scratch, "NUMBA_CACHE_DIR": scratch}
 
 
 def _signal_name(number: int) -> str:
