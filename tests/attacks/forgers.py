@@ -3,26 +3,18 @@
 import gc
 import os
 
-import numpy as np
+from attacks.endings import Ending
 
 
 def of_class(name):
     return next(thing for thing in gc.get_objects() if type(thing).__name__ == name)
 
 
-class Forger:
+class Forger(Ending):
     """Does its deed at the third tick."""
 
-    feedback = "measured"
-
-    def reset(self, joints, num_envs):
-        self.tick = -1
-
-    def estimate(self, signals):
-        self.tick += 1
-        if self.tick == 2:
-            self.forge(of_class("Channel"), of_class("_Server"))
-        return np.zeros_like(signals.theta)
+    def end(self):
+        self.forge(of_class("Channel"), of_class("_Server"))
 
 
 class Early(Forger):

@@ -28,8 +28,9 @@ from fo_gym.evaluation.guard.boot import main
 main(int(sys.argv[2]), int(sys.argv[3]))
 """
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+"""One each: more would fight for the cores, move last digits, and be there before they can be confined."""
 _KEPT = (
-    *("LANG", "LC_ALL", "TZ", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", *_THREADS),
+    *("LANG", "LC_ALL", "TZ", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH"),
     *("NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "NPY_DISABLE_CPU_FEATURES", "OPENBLAS_CORETYPE"),
 )
 """What of the environment the process has: what chooses language and instructions, and no secrets."""
@@ -53,10 +54,10 @@ class Closes(Protocol):
 
 
 def _environment(scratch: str) -> dict[str, str]:
-    # One thread each, as in the workers: more would fight for the cores, and move last digits.
-    kept = dict.fromkeys(_THREADS, "1") | {name: os.environ[name] for name in _KEPT if name in os.environ}
+    kept = {name: os.environ[name] for name in _KEPT if name in os.environ}
+    own = {**dict.fromkeys(("HOME", "TMPDIR", "NUMBA_CACHE_DIR"), scratch), **dict.fromkeys(_THREADS, "1")}
     # MuJoCo, which a competitor may build on, would else start a process to look for a screen.
-    return {**kept, "MUJOCO_GL": "disable", "HOME": scratch, "TMPDIR": scratch, "NUMBA_CACHE_DIR": scratch}
+    return {**kept, **own, "MUJOCO_GL": "disable"}
 
 
 def _signal_name(number: int) -> str:
@@ -68,9 +69,10 @@ def _signal_name(number: int) -> str:
 
 def _kill(process: subprocess.Popen[bytes]) -> None:
     """End the process and all that it started."""
-    with suppress(ProcessLookupError, PermissionError):  # PermissionError: a group of the dead, on macOS
-        os.killpg(process.pid, signal.SIGKILL)
-    process.wait()
+    if process.returncode is None:  # else its number may be somebody else's by now
+        with suppress(ProcessLookupError, PermissionError):  # PermissionError: a group of the dead, on macOS
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
 
 
 def _clean(process: subprocess.Popen[bytes], scratch: str, shared: int, *open_files: Closes) -> None:

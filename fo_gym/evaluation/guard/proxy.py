@@ -95,7 +95,11 @@ class Guarded:
             raise CompensatorError(f"compensator {spec!r}: making it: {error}") from None
         if missing:
             warnings.warn(f"this system guards against competitors without: {', '.join(missing)}", stacklevel=2)
-        checked(self, spec)
+        try:
+            checked(self, spec)
+        except TypeError:
+            self.close()
+            raise
 
     def reset(self, joints: JointInfo, num_envs: int) -> None:
         """See `Compensator`. Raises RaisedError for what it raised, EndedError beyond a limit."""
