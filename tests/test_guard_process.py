@@ -170,7 +170,9 @@ guarded.reset(JointInfo(1, *3 * [np.ones((1, 1))], 1e-3), 1)
 print(guarded._process._process.pid, flush=True)
 guarded.estimate(Signals.from_observation(np.zeros((1, 9)), 1))
 """
-    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as runner:
+    environment = os.environ | {"TMPDIR": str(tmp_path)}
+    command = [sys.executable, "-c", program]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, env=environment, text=True) as runner:
         assert runner.stdout is not None
         child = os.pidfd_open(int(runner.stdout.readline()))
         runner.send_signal(signal.SIGKILL)
