@@ -131,6 +131,39 @@ def test_every_way_out_is_shut(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     assert processes | files <= set(found)
 
 
+@pytest.mark.slow
+def test_what_competitors_build_on_works_there(tmp_path: Path) -> None:
+    """Kernels that are compiled and cached, physics, linear algebra, weights beside the file, threads."""
+    np.savez(tmp_path / "weights.npz", gain=np.array([[0.5]]))
+    (tmp_path / "builder.py").write_text(
+        "from concurrent.futures import ThreadPoolExecutor\n"
+        "from pathlib import Path\n"
+        "import mujoco, numba, numpy as np\n"
+        "from scipy.linalg import solve\n"
+        "\n"
+        "@numba.njit(cache=True)\n"
+        "def scaled(x, gain):\n"
+        "    return gain * x\n"
+        "\n"
+        "class Builder:\n"
+        "    feedback = 'measured'\n"
+        "    def reset(self, joints, num_envs):\n"
+        "        model = mujoco.MjModel.from_xml_string('<mujoco/>')\n"
+        "        mujoco.mj_step(model, mujoco.MjData(model))\n"
+        "        self.gain = np.load(Path(__file__).with_name('weights.npz'))['gain']\n"
+        "    def estimate(self, signals):\n"
+        "        with ThreadPoolExecutor(2) as pool:\n"
+        "            half = pool.submit(scaled, signals.theta, self.gain[0, 0]).result()\n"
+        "        return solve(self.gain, half.T).T\n"
+    )
+    guarded = Guarded(f"{tmp_path / 'builder.py'}:Builder", {}, Limits())
+    guarded.reset(fo_gym.JointInfo(1, *3 * [np.ones((2, 1))], 1e-3), 2)
+    signals = fo_gym.Signals.from_observation(np.arange(18.0).reshape(2, 9), 1)
+    np.testing.assert_allclose(guarded.estimate(signals), signals.theta, rtol=1e-12)
+    guarded.close()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["builder.py", "weights.npz"]
+
+
 def test_without_a_protection_it_says_so(mine: str, monkeypatch: pytest.MonkeyPatch) -> None:
     other_machine = "import platform\nplatform.machine = lambda: 'riscv64'\n"
     monkeypatch.setattr(process, "_BOOT", other_machine + process._BOOT)

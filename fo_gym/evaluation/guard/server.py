@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import mmap
 import os
 import traceback
 from contextlib import suppress
@@ -17,6 +18,8 @@ from fo_gym.evaluation.guard.memory import views
 from fo_gym.parameters import JointInfo
 from fo_gym.sensors import Signals
 
+_RESERVE = 16 << 20
+"""Memory that is kept for telling that there is no more [bytes]."""
 _SUITE = Path(compensators.__file__).parent
 
 __all__ = ["serve"]
@@ -87,6 +90,7 @@ def serve(channel: Channel, memory: int) -> None:
         memory: file descriptor of what is shared with it.
     """
     spec = ""
+    reserve = mmap.mmap(-1, _RESERVE)
     try:
         _, job = channel.receive()
         spec = job["spec"]
@@ -96,6 +100,7 @@ def serve(channel: Channel, memory: int) -> None:
     except EOFError:
         os._exit(0)
     except BaseException as error:
+        reserve.close()
         with suppress(BaseException):
             channel.send(RAISED, _told(error, spec))
         os._exit(1)
