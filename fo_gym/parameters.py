@@ -12,20 +12,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.checks import NOT_NEGATIVE, POSITIVE, check_numbers, check_values
+
 Array = NDArray[np.float64]
 Value = float | Array
 
 __all__ = ["FRICTIONLESS", "FlexibleJoint", "ImpedanceGains", "JointInfo", "LuGre", "PDGains", "per_joint"]
-
-
-def _check(owner: Any, *, positive: tuple[str, ...] = (), not_negative: tuple[str, ...] = ()) -> None:
-    """Raise ValueError naming the first field that is not finite, or below its bound."""
-    for name in positive + not_negative:
-        value = np.asarray(getattr(owner, name), dtype=np.float64)
-        in_range = value > 0 if name in positive else value >= 0
-        if not np.all(in_range & np.isfinite(value)):
-            bound = "above 0" if name in positive else "at least 0"
-            raise ValueError(f"{type(owner).__name__}.{name} is {value}; every value must be finite and {bound}")
 
 
 def per_joint(parameters: Any, dof: int) -> Any:
@@ -42,7 +34,7 @@ def per_joint(parameters: Any, dof: int) -> Any:
                 f"{type(parameters).__name__}.{field.name} has shape {value.shape}; "
                 f"give one value for all joints or one for each of the {dof}"
             )
-        values[field.name] = np.broadcast_to(value, (dof,)).copy()
+        values[field.name] = np.broadcast_to(value, (dof,))
     return type(parameters)(**values)
 
 
@@ -70,7 +62,8 @@ class LuGre:
     v_s: Value
 
     def __post_init__(self) -> None:
-        _check(self, positive=("v_s",), not_negative=("sigma_0", "sigma_1", "sigma_2", "f_c", "f_s"))
+        not_negative = dict.fromkeys(("sigma_0", "sigma_1", "sigma_2", "f_c", "f_s"), NOT_NEGATIVE)
+        check_values(self, **not_negative, v_s=POSITIVE)
         if np.any(np.asarray(self.f_s) < np.asarray(self.f_c)):
             raise ValueError(
                 f"LuGre.f_s is {self.f_s}; stiction must be at least the Coulomb friction f_c = {self.f_c}"
@@ -113,7 +106,7 @@ class FlexibleJoint:
     torque_limit: Value
 
     def __post_init__(self) -> None:
-        _check(self, positive=("stiffness", "motor_inertia", "torque_limit"), not_negative=("damping",))
+        check_values(self, stiffness=POSITIVE, damping=NOT_NEGATIVE, motor_inertia=POSITIVE, torque_limit=POSITIVE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +122,7 @@ class PDGains:
     kd: Value
 
     def __post_init__(self) -> None:
-        _check(self, positive=("kp",), not_negative=("kd",))
+        check_values(self, kp=POSITIVE, kd=NOT_NEGATIVE)
 
 
 @dataclass(frozen=True)
@@ -150,11 +143,8 @@ class ImpedanceGains:
     kd_elbow: float
 
     def __post_init__(self) -> None:
-        _check(
-            self,
-            positive=("kp_position", "kp_orientation", "kp_elbow"),
-            not_negative=("kd_position", "kd_orientation", "kd_elbow"),
-        )
+        for part in ("position", "orientation", "elbow"):
+            check_numbers(self, **{f"kp_{part}": POSITIVE, f"kd_{part}": NOT_NEGATIVE})
 
 
 @dataclass(frozen=True, eq=False)

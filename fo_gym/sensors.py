@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.checks import real, whole_number
+
 Array = NDArray[np.float64]
 
 SIGNALS = ("theta", "theta_dot", "tau_j", "theta_n", "theta_n_dot", "theta_d", "tau_c", "tau_m")
@@ -65,11 +67,15 @@ class Signals:
             available: names of the signals that the sensors provide, `env.unwrapped.available`.
 
         Raises:
-            ValueError: the observation is too short for `dof` joints.
+            ValueError: the observation is too short for `dof` joints, or does not hold real numbers.
         """
-        end = len(SIGNALS) * dof
-        if obs.shape[-1] <= end:
-            raise ValueError(f"observation has {obs.shape[-1]} values; {dof} joint(s) need at least {end + 1}")
+        dof = whole_number("dof", dof, 1)
+        obs = real("observation", obs)
+        end, size = len(SIGNALS) * dof, obs.shape[-1] if obs.ndim else 0
+        if size <= end:
+            raise ValueError(
+                f"observation has shape {obs.shape}, {size} values each; dof = {dof} needs at least {end + 1}"
+            )
         blocks = {name: obs[..., i * dof : (i + 1) * dof] for i, name in enumerate(SIGNALS)}
         return cls(**blocks, time=obs[..., end : end + 1], reference=obs[..., end + 1 :], available=available)
 

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.checks import real
+
 __all__ = ["checked_action"]
 
 
@@ -16,13 +18,16 @@ def checked_action(
     """The action as float64; zero in the rows that are `ignored`.
 
     Raises:
-        ValueError: the action has another shape than `shape`, or a value is NaN or infinite.
+        ValueError: the action does not hold real numbers, has another shape than `shape`, or a value is NaN or
+            infinite.
     """
-    array = np.asarray(action, dtype=np.float64)
+    array = real("action", action)
     if array.shape != shape:
         raise ValueError(f"action has shape {array.shape}; this environment takes {shape}")
     if ignored is not None and ignored.any():
         array = np.where(ignored[:, None], 0.0, array)
-    if not np.isfinite(array).all():
-        raise ValueError(f"action is {array}; every value must be finite")
+    finite = np.isfinite(array)
+    if not finite.all():
+        place = np.argwhere(~finite)[0]
+        raise ValueError(f"action{place.tolist()} is {array[tuple(place)]}; every value must be finite")
     return array

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.checks import instance, real_array
 from fo_gym.hardware import Hardware, Imperfections, Sensing
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.tasks.scenario import Scenario
@@ -55,6 +56,7 @@ class Robots:
         self._sensing: Sensing | None = None
         self._joint: Imperfections | None = None
         if effects is not None:
+            effects.check_joints(plant.robot.dof)
             size = plant.num_envs, plant.robot.dof, plant.control_dt
             self._sensing = Sensing(effects.sensors, *size, tachometer=tachometer)
             self._joint = Imperfections(effects, *size, torque_limit)
@@ -100,6 +102,17 @@ class Robots:
         if self._sensing is None or self._joint is None:
             return None
         return RobotState(self._sensing.get_state(), self._joint.queue.copy())
+
+    def check_state(self, state: RobotState | None) -> None:
+        """Raise ValueError where `state` is none of these robots, naming the field."""
+        if self._sensing is None or self._joint is None:
+            if state is not None:
+                raise ValueError("SimulationState.robots is of a robot with hardware effects; this one has none")
+            return
+        instance("SimulationState.robots", state, RobotState)
+        assert state is not None
+        self._sensing.check_state(state.sensing)
+        real_array("RobotState.commands", state.commands, self._joint.queue.shape)
 
     def set_state(self, state: RobotState | None, scenarios: Sequence[Scenario]) -> None:
         """Continue from a copy of `state` in the episodes of `scenarios`, exactly."""

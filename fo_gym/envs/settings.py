@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any
 
-import numpy as np
-
+from fo_gym.checks import POSITIVE, choice, instance, number, only, shown, whole_number
 from fo_gym.hardware import Hardware, SensorModel
 from fo_gym.parameters import FlexibleJoint, ImpedanceGains, LuGre, PDGains
 from fo_gym.sensors import TIERS
@@ -14,7 +15,10 @@ from fo_gym.tasks.task import VARIANTS, Randomization, Task
 ACTION_MODES = ("compensation", "torque")
 FEEDBACKS = ("measured", "nominal")
 
-__all__ = ["ACTION_MODES", "FEEDBACKS", "Settings"]
+MAX_TICKS = 100_000_000
+"""Control ticks of an episode at most: more than a day at 1 kHz."""
+
+__all__ = ["ACTION_MODES", "FEEDBACKS", "MAX_TICKS", "Settings"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,8 +66,7 @@ class Settings:
             ("feedback", FEEDBACKS),
             ("sensors", tuple(TIERS)),
         ):
-            if getattr(self, name) not in allowed:
-                raise ValueError(f"{name} is {getattr(self, name)!r}; allowed are {', '.join(map(repr, allowed))}")
+            choice(name, getattr(self, name), allowed)
         for name, kind in (
             ("joints", FlexibleJoint),
             ("friction", LuGre),
@@ -71,19 +74,20 @@ class Settings:
             ("sensor_model", SensorModel),
             ("hardware", Hardware),
         ):
-            value = getattr(self, name)
-            if value is not None and not isinstance(value, kind):
-                raise ValueError(f"{name} is {value!r}; give a {kind.__name__}, or None for the task's own")
+            instance(name, getattr(self, name), kind, none="the task's own")
         for name in ("control_dt", "physics_dt", "duration"):
             value = getattr(self, name)
-            if not (isinstance(value, int | float | np.number) or (value is None and name != "control_dt")):
-                raise ValueError(f"{name} is {value!r}; give a number of seconds")
-        if not (isinstance(self.decimation, int | np.integer) and self.decimation >= 1):
-            raise ValueError(f"decimation is {self.decimation!r}; it must be a whole number of at least 1")
+            if value is not None or name == "control_dt":
+                number(name, value, POSITIVE, "s")
+        whole_number("decimation", self.decimation, 1)
         if self.sensors == "motor" and self.feedback == "nominal":
             raise ValueError("feedback 'nominal' needs the torque sensor that sensors='motor' lacks; use 'measured'")
-        if self.duration is not None and not (np.isfinite(self.duration) and self.duration > 0):
-            raise ValueError(f"duration is {self.duration} s; it must be finite and above 0")
+
+    @classmethod
+    def of(cls, arguments: Mapping[str, Any]) -> Settings:
+        """The settings from keyword arguments. Raises TypeError for an unknown one, naming those there are."""
+        only("keyword argument", arguments, [each.name for each in fields(cls)])
+        return cls(**arguments)
 
     def effects(self, task: Task) -> Hardware | None:
         """The hardware's effects; None where there are none."""
@@ -98,7 +102,22 @@ class Settings:
         return self.control_dt * self.decimation
 
     def ticks(self, task: Task) -> int:
-        """Control ticks in an episode; a multiple of `decimation`, at least one step."""
+        """Control ticks in an episode; a multiple of `decimation`, at least one step.
+
+        Raises:
+            ValueError: there are more than MAX_TICKS, or a step is longer than the episode.
+        """
         seconds = task.duration if self.duration is None else self.duration
+        if seconds / self.control_dt > MAX_TICKS:
+            raise ValueError(
+                f"duration is {seconds:g} s, more than {MAX_TICKS} periods of control_dt = {self.control_dt:g} s; give "
+                f"a duration of at most {MAX_TICKS * self.control_dt:g} s, or a longer control_dt"
+            )
+        periods = max(1, round(seconds / self.control_dt))
+        if self.decimation > periods:
+            raise ValueError(
+                f"decimation is {shown(self.decimation)}, but an episode of {seconds:g} s has {periods} control "
+                f"period(s); give a decimation of at most {periods}, or a longer duration"
+            )
         steps = round(seconds / self.step_dt)
         return max(1, steps) * int(self.decimation)

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.checks import instance
 from fo_gym.control.nominal_motor import NominalMotor
 from fo_gym.envs.kernels import INSIDE, LOST, OUTSIDE, rewards, torques, whereabouts
 from fo_gym.envs.pushes import Pushes
-from fo_gym.envs.robots import Robots, RobotState
+from fo_gym.envs.robots import Robots
 from fo_gym.envs.settings import Settings
+from fo_gym.envs.state import Origin, SimulationState
 from fo_gym.parameters import JointInfo, per_joint
-from fo_gym.plant import FlexibleJointPlant, PlantState
+from fo_gym.plant import FlexibleJointPlant
 from fo_gym.sensors import SIGNALS, TIERS
 from fo_gym.tasks.control import make_control
-from fo_gym.tasks.scenario import Scenario, with_options
+from fo_gym.tasks.options import Limits, Options
+from fo_gym.tasks.scenario import Scenario
 from fo_gym.tasks.task import Task, draw_scenario
 
 Array = NDArray[np.float64]
@@ -29,22 +31,8 @@ ROUGHNESS_WEIGHT = 0.1
 JOINT_LIMIT = "joint_limit"
 NON_FINITE = "non_finite"
 
-__all__ = ["JOINT_LIMIT", "NON_FINITE", "Simulation", "SimulationState"]
 
-
-@dataclass(frozen=True)
-class SimulationState:
-    """The full state of a Simulation; arrays are (num_envs, dof), `ticks` (num_envs,)."""
-
-    plant: PlantState
-    scenarios: tuple[Scenario, ...]
-    theta_n: Array
-    theta_n_dot: Array
-    ticks: NDArray[np.int64]
-    tau_m: Array
-    tau_ext: Array
-    tau_f: Array
-    robots: RobotState | None
+__all__ = ["JOINT_LIMIT", "NON_FINITE", "Simulation"]
 
 
 class Simulation:
@@ -61,12 +49,13 @@ class Simulation:
         effects: the hardware's, or None.
         available: names of the signals that the sensors provide.
         robots: the plant with its hardware's effects: what is measured.
+        limits: of what the options of a reset may ask for.
     """
 
     def __init__(self, task: Task, num_envs: int, settings: Settings) -> None:
         self.task = task if settings.randomization is None else replace(task, randomization=settings.randomization)
-        self.num_envs = num_envs
         self.settings = settings
+        self.last_tick = settings.ticks(task)
         self.dof = task.robot.dof
         self.joints = per_joint(task.joints if settings.joints is None else settings.joints, self.dof)
         self.friction = task.friction if settings.friction is None else settings.friction
@@ -78,6 +67,7 @@ class Simulation:
             control_dt=settings.control_dt,
             physics_dt=settings.physics_dt,
         )
+        self.num_envs = num_envs = self.plant.num_envs
         self.control = make_control(task, self.plant, task.gains if settings.gains is None else settings.gains)
         self.nominal_motor = NominalMotor(num_envs, self.dof, settings.control_dt)
         self.effects = settings.effects(self.task)
@@ -88,11 +78,13 @@ class Simulation:
             draw_scenario(task, "nominal", self.joints, self.friction, np.random.default_rng(0))
         ] * num_envs
         self.ticks = np.zeros(num_envs, dtype=np.int64)
-        self.last_tick = settings.ticks(task)
         model = self.plant.body.model
         limited = model.jnt_limited.astype(bool)
         self._low = np.where(limited, model.jnt_range[:, 0], -np.inf)
         self._high = np.where(limited, model.jnt_range[:, 1], np.inf)
+        seconds = self.last_tick * settings.control_dt
+        self.limits = Limits(task.robot.joints, self._low, self._high, seconds, takes_target=task.step is not None)
+        self._origin = Origin.of(task, num_envs, settings, self.effects)
         self._where = np.full(num_envs, INSIDE)
         self._compensates = settings.action_mode == "compensation"
         shape = (num_envs, self.dof)
@@ -118,21 +110,15 @@ class Simulation:
             control_dt=self.settings.step_dt,
         )
 
-    def reset(
-        self, ids: Ids, generators: Sequence[np.random.Generator], options: Mapping[str, Any] | None = None
-    ) -> None:
-        """Start new episodes in the named environments, each drawn from its own generator.
-
-        Raises:
-            ValueError: `options` are not those of `with_options`.
-        """
+    def reset(self, ids: Ids, generators: Sequence[np.random.Generator], options: Options | None = None) -> None:
+        """Start new episodes in the named environments, each drawn from its own generator; `limits` reads options."""
+        variant, effects = self.settings.variant, self.effects
         scenarios = [
-            with_options(
-                draw_scenario(self.task, self.settings.variant, self.joints, self.friction, generator, self.effects),
-                options,
-            )
+            draw_scenario(self.task, variant, self.joints, self.friction, generator, effects)
             for generator in generators
         ]
+        if options is not None:
+            scenarios = [options.applied_to(scenario) for scenario in scenarios]
         for i, scenario in zip(ids, scenarios, strict=True):
             self._configure(int(i), scenario)
         self.plant.reset(ids, np.array([scenario.q_start for scenario in scenarios]))
@@ -246,6 +232,7 @@ class Simulation:
         """A copy of everything that the next step depends on, except the random generators."""
         nominal = self.nominal_motor
         return SimulationState(
+            self._origin,
             self.plant.get_state(),
             tuple(self.scenarios),
             nominal.theta.copy(),
@@ -261,19 +248,22 @@ class Simulation:
         """Continue from a copy of `state`, exactly.
 
         Raises:
-            ValueError: the state is of another number of environments or joints.
+            ValueError: the state is of another environment, or a field of it has another shape or kind of value;
+                nothing has changed then.
         """
-        if len(state.scenarios) != self.num_envs:
-            raise ValueError(f"state has {len(state.scenarios)} environments; this simulation has {self.num_envs}")
+        instance("state", state, SimulationState)
+        state.check(self._origin, self.limits, self.last_tick)
+        self.plant.check_state(state.plant)
+        self.robots.check_state(state.robots)
         everyone = np.arange(self.num_envs)
         for i, scenario in enumerate(state.scenarios):
             self._configure(i, scenario)
         self.control.reset(everyone, state.scenarios)
         self.plant.set_state(state.plant)
-        self.tau_f = state.tau_f.copy()
+        self.tau_f = np.array(state.tau_f, dtype=np.float64)
         self.nominal_motor.reset(everyone, state.theta_n, state.theta_n_dot)
-        self.ticks = state.ticks.copy()
-        self.tau_m = state.tau_m.copy()
-        self.tau_ext = state.tau_ext.copy()
+        self.ticks = np.array(state.ticks, dtype=np.int64)
+        self.tau_m = np.array(state.tau_m, dtype=np.float64)
+        self.tau_ext = np.array(state.tau_ext, dtype=np.float64)
         self.robots.set_state(state.robots, state.scenarios)
         self._update_control()

@@ -10,10 +10,12 @@ import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
+from fo_gym.checks import choice, restored, seed_number
 from fo_gym.envs.actions import checked_action
 from fo_gym.envs.rendering import SceneRenderer
 from fo_gym.envs.settings import Settings
-from fo_gym.envs.simulation import Simulation, SimulationState
+from fo_gym.envs.simulation import Simulation
+from fo_gym.envs.state import SimulationState, parts_of
 from fo_gym.parameters import JointInfo
 from fo_gym.tasks.task import Task
 
@@ -37,9 +39,8 @@ class JointEnv(gym.Env[Array, Array]):
     metadata: dict[str, Any] = {"render_modes": ["human", "rgb_array"], "render_fps": 1000}  # noqa: RUF012
 
     def __init__(self, *, render_mode: str | None = None, **settings: Any) -> None:
-        chosen = Settings(**settings)
-        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
-            raise ValueError(f"render_mode is {render_mode!r}; allowed are None, 'human' and 'rgb_array'")
+        chosen = Settings.of(settings)
+        choice("render_mode", render_mode, self.metadata["render_modes"], none=True)
         self.simulation = Simulation(self.task, 1, chosen)
         self.render_mode = render_mode
         self.metadata = {**self.metadata, "render_fps": max(1, round(1.0 / chosen.step_dt))}
@@ -74,9 +75,13 @@ class JointEnv(gym.Env[Array, Array]):
 
         Returns:
             Observation (see `fo_gym.Signals`) and info, the privileged truth.
+
+        Raises:
+            ValueError: the seed or an option is not allowed; nothing has changed then.
         """
-        super().reset(seed=seed)
-        self.simulation.reset(_ONE, [self.np_random], options)
+        chosen = self.simulation.limits.read(options)
+        super().reset(seed=None if seed is None else seed_number("seed", seed))
+        self.simulation.reset(_ONE, [self.np_random], chosen)
         if self._renderer is not None:
             self._renderer.clear_trace()
         if self.render_mode == "human":
@@ -87,7 +92,7 @@ class JointEnv(gym.Env[Array, Array]):
         """Apply tau_f_hat (or tau_m, in the "torque" mode), (dof,), clipped to +-torque_limit, for one step.
 
         Raises:
-            ValueError: the action has the wrong shape, or is not finite.
+            ValueError: the action has the wrong shape, or is not of finite real numbers.
         """
         batch = checked_action(action, (self.simulation.dof,))[None]
         reward, terminated, truncated, reasons = self.simulation.step(batch)
@@ -123,8 +128,13 @@ class JointEnv(gym.Env[Array, Array]):
         return self.simulation.get_state(), self.np_random.bit_generator.state
 
     def set_state(self, state: tuple[SimulationState, Mapping[str, Any]]) -> None:
-        """Continue from what `get_state` returned, exactly."""
-        simulation, generator = state
+        """Continue from what `get_state` returned, exactly.
+
+        Raises:
+            ValueError: it is no state, or one of another environment; nothing has changed then.
+        """
+        simulation, generator = parts_of(state, 2)
+        restored("state of the random generator", self.np_random, generator)
         self.simulation.set_state(simulation)
         self.np_random.bit_generator.state = generator
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import gymnasium as gym
@@ -13,10 +13,12 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
+from fo_gym.checks import choice, instance, restored_all, seed_number, shown
 from fo_gym.envs.actions import checked_action
 from fo_gym.envs.rendering import SceneRenderer
 from fo_gym.envs.settings import Settings
-from fo_gym.envs.simulation import Simulation, SimulationState
+from fo_gym.envs.simulation import Simulation
+from fo_gym.envs.state import SimulationState, parts_of
 from fo_gym.parameters import JointInfo
 from fo_gym.tasks.task import Task
 
@@ -51,16 +53,15 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         autoreset_mode: AutoresetMode = AutoresetMode.NEXT_STEP,
         **settings: Any,
     ) -> None:
-        chosen = Settings(**settings)
-        if num_envs < 1:
-            raise ValueError(f"num_envs is {num_envs}; it must be at least 1")
-        if render_mode not in (None, "rgb_array"):
-            raise ValueError(f"render_mode is {render_mode!r}; a vector environment allows None and 'rgb_array'")
-        if autoreset_mode not in (AutoresetMode.NEXT_STEP, AutoresetMode.DISABLED):
-            raise ValueError(f"autoreset_mode is {autoreset_mode!r}; allowed are AutoresetMode.NEXT_STEP and DISABLED")
-        self.num_envs = num_envs
+        chosen = Settings.of(settings)
+        choice("render_mode", render_mode, ("rgb_array",), none=True)
+        if autoreset_mode is not AutoresetMode.NEXT_STEP and autoreset_mode is not AutoresetMode.DISABLED:
+            raise ValueError(
+                f"autoreset_mode is {shown(autoreset_mode)}; allowed are AutoresetMode.NEXT_STEP and DISABLED"
+            )
         self._autoreset = autoreset_mode is AutoresetMode.NEXT_STEP
         self.simulation = Simulation(self.task, num_envs, chosen)
+        self.num_envs = num_envs = self.simulation.num_envs
         self.render_mode = render_mode
         fps = max(1, round(1.0 / chosen.step_dt))
         self.metadata = {**self.metadata, "render_fps": fps, "autoreset_mode": autoreset_mode}
@@ -87,14 +88,18 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         """What a compensator may know of the current episodes' joints; arrays are (num_envs, dof)."""
         return self.simulation.joint_info
 
-    def _seed(self, seed: int | Sequence[int | None] | None) -> None:
-        if isinstance(seed, int | np.integer):
-            seed = [int(seed) + i for i in range(self.num_envs)]
+    def _checked_seeds(self, seed: Any) -> list[int | None]:
+        """One for each environment; None continues its generator."""
         if seed is None:
-            seed = [None] * self.num_envs
-        seed = [None if each is None else int(each) for each in seed]
+            return [None] * self.num_envs
+        if isinstance(seed, str | bytes) or not (isinstance(seed, Sequence) or np.ndim(seed) == 1):
+            first = seed_number("seed", seed)
+            return [first + i for i in range(self.num_envs)]
         if len(seed) != self.num_envs:
             raise ValueError(f"seed has {len(seed)} values; give one number, or one for each of {self.num_envs}")
+        return [None if each is None else seed_number(f"seed[{i}]", each) for i, each in enumerate(seed)]
+
+    def _seed(self, seed: list[int | None]) -> None:
         old: Sequence[np.random.Generator | None] = self._generators or [None] * self.num_envs
         self._generators = [
             seeding.np_random(new)[0] if new is not None or generator is None else generator
@@ -103,7 +108,7 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
 
     def _checked_mask(self, mask: Any) -> NDArray[np.bool_]:
         if not (isinstance(mask, np.ndarray) and mask.shape == (self.num_envs,) and mask.dtype == np.bool_):
-            raise ValueError(f"reset_mask is {mask!r}; it must be a NumPy array of {self.num_envs} bools")
+            raise ValueError(f"reset_mask is {shown(mask)}; it must be a NumPy array of {self.num_envs} bools")
         if not self._generators and not mask.all():
             raise gym.error.ResetNeeded("the first reset() must be of all environments, without a reset_mask")
         return mask
@@ -129,13 +134,16 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
             Observations (num_envs, size) and info, the privileged truth, (num_envs, dof) each.
 
         Raises:
-            ValueError: `options` are not those of `JointEnv.reset`, or the mask has another shape or dtype.
+            ValueError: a seed is not allowed, `options` are not those of `JointEnv.reset`, or the mask has another
+                shape or dtype; nothing has changed then.
         """
-        options = dict(options or {})
-        mask = self._checked_mask(options.pop("reset_mask", self._everyone))
-        self._seed(seed)
+        instance("options", options, Mapping, none="none")
+        rest = {key: value for key, value in (options or {}).items() if key != "reset_mask"}
+        chosen = self.simulation.limits.read(rest)
+        mask = self._checked_mask((options or {}).get("reset_mask", self._everyone))
+        self._seed(self._checked_seeds(seed))
         again = np.flatnonzero(mask)
-        self.simulation.reset(again, [self._generators[i] for i in again], options)
+        self.simulation.reset(again, [self._generators[i] for i in again], chosen)
         self._ended[again] = False
         if self._renderer is not None:
             self._renderer.clear_trace()
@@ -145,7 +153,7 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         """Apply tau_f_hat (or tau_m), (num_envs, dof), clipped to +-torque_limit, for one step.
 
         Raises:
-            ValueError: the actions have the wrong shape, or are not finite.
+            ValueError: the actions have the wrong shape, or are not of finite real numbers.
         """
         if not self._generators:
             raise gym.error.ResetNeeded("step() was called before the first reset()")
@@ -198,12 +206,17 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         return self.simulation.get_state(), generators, self._ended.copy()
 
     def set_state(self, state: tuple[SimulationState, list[dict[str, Any]], NDArray[np.bool_]]) -> None:
-        """Continue from what `get_state` returned, exactly."""
-        simulation, generators, ended = state
+        """Continue from what `get_state` returned, exactly.
+
+        Raises:
+            ValueError: it is no state, or one of another environment; nothing has changed then.
+        """
+        simulation, generators, ended = parts_of(state, 3)
+        again = restored_all("state of the random generators", generators, self.num_envs)
+        if not (isinstance(ended, np.ndarray) and ended.shape == (self.num_envs,) and ended.dtype == np.bool_):
+            raise ValueError(f"state of who has ended is {shown(ended)}; it must be {self.num_envs} bools")
         self.simulation.set_state(simulation)
-        self._seed([0] * self.num_envs)
-        for generator, saved in zip(self._generators, generators, strict=True):
-            generator.bit_generator.state = saved
+        self._generators = again
         self._ended = ended.copy()
 
     def __getstate__(self) -> dict[str, Any]:

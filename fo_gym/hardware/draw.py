@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.checks import POSITIVE, instance, number, real_array, whole_number
 from fo_gym.hardware.effects import Hardware, ModelError, PushTime, Temperature, TorqueSensor
-from fo_gym.parameters import FlexibleJoint
+from fo_gym.parameters import FlexibleJoint, per_joint
 
 Array = NDArray[np.float64]
 
@@ -36,6 +37,15 @@ class HardwareDraw:
     temperature: Array
     push_time: float | None
     noise_seed: int
+
+    def check(self, name: str, dof: int) -> None:
+        """Raise ValueError where it is none of a robot with `dof` joints; `name` is what to call it."""
+        instance(f"{name}.believed", self.believed, FlexibleJoint)
+        per_joint(self.believed, dof)
+        number(f"{name}.believed_mass", self.believed_mass, POSITIVE)
+        for part in ("torque_offset", "ripple_phase", "temperature"):
+            real_array(f"{name}.{part}", getattr(self, part), (dof,))
+        whole_number(f"{name}.noise_seed", self.noise_seed, 0)
 
 
 def draw_hardware(hardware: Hardware, joints: FlexibleJoint, rng: np.random.Generator) -> HardwareDraw:

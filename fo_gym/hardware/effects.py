@@ -13,6 +13,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.checks import (
+    FINITE,
+    NOT_NEGATIVE,
+    POSITIVE,
+    POSITIVE_OR_INFINITE,
+    check_numbers,
+    check_ranges,
+    check_values,
+    instance,
+)
+from fo_gym.parameters import per_joint
+
 Value = float | NDArray[np.float64]
 Range = tuple[float, float]
 
@@ -32,21 +44,10 @@ __all__ = [
 ]
 
 
-def _check(owner: Any, *names: str, positive: bool = False) -> None:
-    """Raise ValueError naming the first field that is NaN, or below its bound; infinity switches a filter off."""
-    for name in names:
-        value = np.asarray(getattr(owner, name), dtype=np.float64)
-        if not np.all(value > 0 if positive else value >= 0):
-            bound = "above 0" if positive else "at least 0"
-            raise ValueError(f"{type(owner).__name__}.{name} is {value}; every value must be {bound}")
-
-
-def _check_range(owner: Any, name: str, above: float) -> None:
-    low, high = getattr(owner, name)
-    if not above < low <= high < math.inf:
-        raise ValueError(
-            f"{type(owner).__name__}.{name} is ({low}, {high}); it must be {above:g} < low <= high, finite"
-        )
+def _check_parts(owner: Any, **kinds: type) -> None:
+    """Raise ValueError for a field that is neither of its class nor None."""
+    for name, kind in kinds.items():
+        instance(f"{type(owner).__name__}.{name}", getattr(owner, name), kind, none="none")
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,8 +66,7 @@ class MotorEncoder:
     cutoff: Value = math.inf
 
     def __post_init__(self) -> None:
-        _check(self, "resolution")
-        _check(self, "cutoff", positive=True)
+        check_values(self, resolution=NOT_NEGATIVE, cutoff=POSITIVE_OR_INFINITE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,8 +87,7 @@ class TorqueSensor:
     cutoff: Value = math.inf
 
     def __post_init__(self) -> None:
-        _check(self, "noise", "offset")
-        _check(self, "cutoff", positive=True)
+        check_values(self, noise=NOT_NEGATIVE, offset=NOT_NEGATIVE, cutoff=POSITIVE_OR_INFINITE)
 
 
 @dataclass(frozen=True)
@@ -103,6 +102,9 @@ class SensorModel:
     encoder: MotorEncoder | None = None
     torque: TorqueSensor | None = None
 
+    def __post_init__(self) -> None:
+        _check_parts(self, encoder=MotorEncoder, torque=TorqueSensor)
+
 
 @dataclass(frozen=True)
 class CommandDelay:
@@ -115,7 +117,7 @@ class CommandDelay:
     seconds: float
 
     def __post_init__(self) -> None:
-        _check(self, "seconds")
+        check_numbers(self, seconds=NOT_NEGATIVE)
 
     def ticks(self, control_dt: float) -> int:
         """The delay in control periods.
@@ -142,7 +144,7 @@ class TorqueSaturation:
     share: float = 1.0
 
     def __post_init__(self) -> None:
-        _check(self, "share", positive=True)
+        check_numbers(self, share=POSITIVE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,8 +164,7 @@ class LinkFriction:
     width: Value
 
     def __post_init__(self) -> None:
-        _check(self, "coulomb", "viscous")
-        _check(self, "width", positive=True)
+        check_values(self, coulomb=NOT_NEGATIVE, viscous=NOT_NEGATIVE, width=POSITIVE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,8 +183,7 @@ class GearRipple:
     period: Value
 
     def __post_init__(self) -> None:
-        _check(self, "amplitude")
-        _check(self, "period", positive=True)
+        check_values(self, amplitude=NOT_NEGATIVE, period=POSITIVE)
 
 
 @dataclass(frozen=True)
@@ -199,7 +199,7 @@ class LoadFriction:
     gain: float
 
     def __post_init__(self) -> None:
-        _check(self, "gain")
+        check_numbers(self, gain=NOT_NEGATIVE)
 
 
 @dataclass(frozen=True)
@@ -224,9 +224,8 @@ class Temperature:
     viscous: float = 0.02
 
     def __post_init__(self) -> None:
-        _check(self, "rise", "dry", "viscous")
-        _check(self, "time", positive=True)
-        _check_range(self, "start", -math.inf)
+        check_numbers(self, rise=NOT_NEGATIVE, time=POSITIVE, dry=NOT_NEGATIVE, viscous=NOT_NEGATIVE)
+        check_ranges(self, start=FINITE)
 
 
 @dataclass(frozen=True)
@@ -245,8 +244,7 @@ class ModelError:
     mass: Range = (0.9, 1.0)
 
     def __post_init__(self) -> None:
-        for name in ("motor_inertia", "stiffness", "mass"):
-            _check_range(self, name, 0.0)
+        check_ranges(self, motor_inertia=POSITIVE, stiffness=POSITIVE, mass=POSITIVE)
 
 
 @dataclass(frozen=True)
@@ -260,9 +258,7 @@ class PushTime:
     start: Range
 
     def __post_init__(self) -> None:
-        low, high = self.start
-        if not 0 <= low <= high < math.inf:
-            raise ValueError(f"PushTime.start is ({low}, {high}); it must be 0 <= low <= high, finite")
+        check_ranges(self, start=NOT_NEGATIVE)
 
 
 @dataclass(frozen=True)
@@ -286,3 +282,15 @@ class Hardware:
     temperature: Temperature | None = None
     model_error: ModelError | None = None
     push_time: PushTime | None = None
+
+    def __post_init__(self) -> None:
+        instance("Hardware.sensors", self.sensors, SensorModel)
+        _check_parts(self, delay=CommandDelay, saturation=TorqueSaturation, link_friction=LinkFriction)
+        _check_parts(self, ripple=GearRipple, load=LoadFriction, temperature=Temperature)
+        _check_parts(self, model_error=ModelError, push_time=PushTime)
+
+    def check_joints(self, dof: int) -> None:
+        """Raise ValueError where an effect has values for another number of joints."""
+        for part in (self.sensors.encoder, self.sensors.torque, self.link_friction, self.ripple):
+            if part is not None:
+                per_joint(part, dof)

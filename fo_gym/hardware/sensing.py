@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.checks import real_array, restored_all, shown
 from fo_gym.hardware.draw import HardwareDraw
 from fo_gym.hardware.effects import MotorEncoder, SensorModel, TorqueSensor
 
@@ -86,10 +87,20 @@ class Sensing:
         state["generators"] = [dict(generator.bit_generator.state) for generator in self._generators]
         return state
 
+    def check_state(self, state: Mapping[str, Any]) -> None:
+        """Raise ValueError where `state` is none of these sensors, naming the field."""
+        names = {*_ARRAYS, "generators"}
+        if not isinstance(state, Mapping) or set(state) != names:
+            raise ValueError(f"state of the sensors is {shown(state)}; give a mapping with {', '.join(sorted(names))}")
+        for name in _ARRAYS:
+            real_array(f"state of the sensors, {name}", state[name], self.theta.shape)
+        self._restored(state["generators"])
+
     def set_state(self, state: Mapping[str, Any]) -> None:
         """Continue from a copy of `state`, exactly."""
         for name in _ARRAYS:
-            setattr(self, name, state[name].copy())
-        self._generators = [np.random.default_rng(0) for _ in self._generators]
-        for generator, saved in zip(self._generators, state["generators"], strict=True):
-            generator.bit_generator.state = saved
+            setattr(self, name, np.array(state[name], dtype=np.float64))
+        self._generators = self._restored(state["generators"])
+
+    def _restored(self, states: Any) -> list[np.random.Generator]:
+        return restored_all("state of the sensors, generators", states, len(self._generators))

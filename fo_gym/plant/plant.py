@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.checks import NOT_NEGATIVE, instance, real, real_array, shown, whole_number
 from fo_gym.parameters import FlexibleJoint, LuGre, per_joint
 from fo_gym.plant.kernel import PARAMETERS, STATE, advance, predict, spring_torque
 from fo_gym.plant.rigid_body import RigidBody
@@ -18,9 +19,12 @@ from fo_gym.plant.twin import twin_model
 
 Array = NDArray[np.float64]
 
+MAX_ENVS = 100_000
+"""Size of a batch at most: half a gigabyte for an arm of seven joints."""
+
 _FRICTION = [PARAMETERS.index(name) for name in ("sigma_2", "f_c", "f_s")]
 
-__all__ = ["FlexibleJointPlant", "PlantState"]
+__all__ = ["MAX_ENVS", "FlexibleJointPlant", "PlantState"]
 
 
 @dataclass
@@ -76,8 +80,11 @@ class FlexibleJointPlant:
         control_dt: float = 1e-3,
         physics_dt: float | None = None,
     ) -> None:
+        instance("robot", robot, Robot)
+        instance("joints", joints, FlexibleJoint)
+        instance("friction", friction, LuGre)
         self.robot = robot
-        self.num_envs = num_envs
+        self.num_envs = whole_number("num_envs", num_envs, 1, MAX_ENVS)
         self.control_dt = control_dt
         self.steps = micro_steps(control_dt, physics_dt)
         self.physics_dt = control_dt / self.steps
@@ -176,8 +183,9 @@ class FlexibleJointPlant:
         """Advance one control period with motor and external torques held, (num_envs, dof) each, N or N m.
 
         Raises:
-            ValueError: a torque has another shape.
+            ValueError: a torque has another shape, or does not hold real numbers.
         """
+        tau_m, tau_ext = real("tau_m", tau_m), real("tau_ext", tau_ext)
         for name, torque in (("tau_m", tau_m), ("tau_ext", tau_ext)):
             if torque.shape != self.q.shape:
                 raise ValueError(f"{name} has shape {torque.shape}; this plant needs {self.q.shape}")
@@ -212,17 +220,28 @@ class FlexibleJointPlant:
         q, q_dot, theta, theta_dot, z = self._state.copy()
         return PlantState(q, q_dot, theta, theta_dot, z, self._q_dot_before.copy(), self.time)
 
+    def check_state(self, state: PlantState) -> None:
+        """Raise ValueError where `state` is none of this plant, naming the field."""
+        instance("state", state, PlantState)
+        for name in (*STATE, "q_dot_before"):
+            real_array(f"PlantState.{name}", getattr(state, name), self.q.shape)
+        time = real_array("PlantState.time", state.time, (self.num_envs,), NOT_NEGATIVE)
+        if not np.allclose(np.rint(time / self.control_dt) * self.control_dt, time, rtol=1e-9, atol=1e-9):
+            raise ValueError(
+                f"PlantState.time is {shown(time)} s; these are no whole control periods of {self.control_dt:g} s: "
+                "make the plant with the control_dt of the one that gave the state"
+            )
+
     def set_state(self, state: PlantState) -> None:
         """Continue from a copy of `state`, exactly.
 
         Raises:
-            ValueError: an array has the wrong shape.
+            ValueError: an array has the wrong shape, or does not hold finite real numbers; nothing has changed then.
         """
-        for name, own in zip((*STATE, "q_dot_before"), (*self._state, self._q_dot_before), strict=True):
-            value = np.asarray(getattr(state, name))
-            if value.shape != own.shape:
-                raise ValueError(f"PlantState.{name} has shape {value.shape}; this plant needs {own.shape}")
-            own[:] = value
+        self.check_state(state)
+        for name, own in zip(STATE, self._state, strict=True):
+            own[:] = getattr(state, name)
+        self._q_dot_before[:] = state.q_dot_before
         self._ticks[:] = np.rint(np.asarray(state.time) / self.control_dt).astype(np.int64)
 
     def to_mujoco(
@@ -240,8 +259,9 @@ class FlexibleJointPlant:
             integrator: "euler", "implicit", "implicitfast" or "rk4".
 
         Raises:
-            ValueError: no such integrator, or a time step that is not above 0.
+            ValueError: no such environment or integrator, or a time step that is not above 0.
         """
+        env = whole_number("env", env, 0, self.num_envs - 1)
         values = dict(zip(PARAMETERS, self._parameters[env].T, strict=True))
         model = twin_model(self.robot, values, self.body.mass_scale[env], timestep, integrator)
         data = mujoco.MjData(model)

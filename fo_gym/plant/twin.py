@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.checks import POSITIVE, choice, number
 from fo_gym.plant.robot import Robot, switch_off_constraints
 
 Array = NDArray[np.float64]
@@ -45,10 +46,8 @@ def twin_model(
     Raises:
         ValueError: the time step is not above 0, or there is no such integrator.
     """
-    if not (np.isfinite(timestep) and timestep > 0):
-        raise ValueError(f"timestep is {timestep} s; it must be finite and above 0")
-    if integrator not in INTEGRATORS:
-        raise ValueError(f"integrator is {integrator!r}; allowed are {', '.join(map(repr, INTEGRATORS))}")
+    number("timestep", timestep, POSITIVE, "s")
+    choice("integrator", integrator, INTEGRATORS)
     spec = mujoco.MjSpec.from_file(str(robot.path))
     for key in spec.keys:
         spec.delete(key)  # poses of the links alone, too short for links and motors

@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.checks import shown
 from fo_gym.control.impedance import Impedance, TaskSetpoint
 from fo_gym.control.motor_pd import MotorPD
 from fo_gym.parameters import ImpedanceGains, PDGains
@@ -153,7 +154,7 @@ def make_control(task: Task, plant: FlexibleJointPlant, gains: PDGains | Impedan
     """
     expected = type(task.gains)
     if not isinstance(gains, expected):
-        raise ValueError(f"gains are {type(gains).__name__}; this task's controller takes {expected.__name__}(...)")
+        raise ValueError(f"gains is {shown(gains)}; this task's controller takes {expected.__name__}(...)")
     if isinstance(gains, ImpedanceGains):
         return PathControl(task, plant, gains)
     return StepControl(task, plant, gains)

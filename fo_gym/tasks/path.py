@@ -16,6 +16,9 @@ Array = NDArray[np.float64]
 ELBOW = 2
 """The joint whose angle, held constant, settles the redundancy of seven joints: the third."""
 
+MAX_ROWS = 100_000
+"""Ticks of a path at most: its inverse kinematics is solved for all of them at once."""
+
 __all__ = ["ELBOW", "PathTable", "SquarePath", "path_table"]
 
 
@@ -82,10 +85,15 @@ def path_table(robot: Robot, path: SquarePath, q_start: Array, dt: float) -> Pat
     full size so that the solution stays on the branch of the start pose.
 
     Raises:
-        ValueError: the robot does not have seven joints, or the path leaves its reach.
+        ValueError: the robot does not have seven joints, the path leaves its reach, or has more than MAX_ROWS ticks.
     """
     if robot.dof != 7:
         raise ValueError(f"a tool path with elbow needs a robot with 7 joints; this one has {robot.dof}")
+    if path.duration / dt > MAX_ROWS:
+        raise ValueError(
+            f"control_dt is {dt:g} s, too short for a path of {path.duration:g} s: its table has at most {MAX_ROWS} "
+            f"rows; give a control_dt of at least {path.duration / MAX_ROWS:g} s"
+        )
     ticks = round(path.duration / dt) + 1
     offset, velocity = path.at(np.arange(ticks, dtype=np.float64) * dt)
     body = RigidBody(robot, ticks)

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.checks import NOT_NEGATIVE, POSITIVE, instance, number, real_array, values
 from fo_gym.hardware import HardwareDraw
-from fo_gym.parameters import FlexibleJoint, LuGre
+from fo_gym.parameters import FlexibleJoint, LuGre, per_joint
 
 Array = NDArray[np.float64]
 
-__all__ = ["Push", "Scenario", "with_options"]
+__all__ = ["Push", "Scenario"]
 
 
 @dataclass(frozen=True)
@@ -32,12 +31,9 @@ class Push:
     torque: Array
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.time) and self.time >= 0):
-            raise ValueError(f"push time is {self.time}; it must be a finite time >= 0 s")
-        if not (np.isfinite(self.duration) and self.duration > 0):
-            raise ValueError(f"push duration is {self.duration}; it must be finite and above 0 s")
-        if not np.all(np.isfinite(self.torque)):
-            raise ValueError(f"push torque is {self.torque}; every value must be finite")
+        number("push time", self.time, NOT_NEGATIVE, "s")
+        number("push duration", self.duration, POSITIVE, "s")
+        values("push torque", self.torque)
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,37 +68,20 @@ class Scenario:
         """Factor on the true masses in what the controller knows."""
         return 1.0 if self.hardware is None else self.hardware.believed_mass
 
-
-def _vector(value: Any, dof: int, what: str) -> Array:
-    array = np.array(value, dtype=np.float64)
-    if array.shape != (dof,) or not np.all(np.isfinite(array)):
-        raise ValueError(f"{what} is {value}; give {dof} finite value(s), one per joint")
-    return array
-
-
-def with_options(scenario: Scenario, options: Mapping[str, Any] | None) -> Scenario:
-    """The scenario with the parts that `reset(options=...)` names replaced.
-
-    Args:
-        scenario: what the variant drew.
-        options: {"target": (dof,), "push": {"time": s, "duration": s, "torque": (dof,)}}, each key optional.
-
-    Raises:
-        ValueError: an unknown key, a wrong shape, or a target for a task that follows a path.
-    """
-    options = options or {}
-    dof = len(scenario.q_start)
-    unknown = set(options) - {"target", "push"}
-    if unknown:
-        raise ValueError(f"unknown reset options {sorted(unknown)}; allowed are 'target' and 'push'")
-    if "target" in options:
-        if scenario.target is None:
-            raise ValueError("this task follows a path: it takes no 'target' in the reset options")
-        scenario = replace(scenario, target=_vector(options["target"], dof, "reset option 'target'"))
-    if "push" in options:
-        keys = options["push"]
-        if not isinstance(keys, Mapping) or set(keys) != {"time", "duration", "torque"}:
-            raise ValueError(f"reset option 'push' is {keys}; give a mapping with 'time', 'duration' and 'torque'")
-        torque = _vector(keys["torque"], dof, "reset option 'push' torque")
-        scenario = replace(scenario, push=Push(float(keys["time"]), float(keys["duration"]), torque))
-    return scenario
+    def check(self, name: str, dof: int) -> None:
+        """Raise ValueError where it is none of a robot with `dof` joints; `name` is what to call it."""
+        for part, kind in (("friction", LuGre), ("joints", FlexibleJoint)):
+            instance(f"{name}.{part}", getattr(self, part), kind)
+            per_joint(getattr(self, part), dof)
+        number(f"{name}.mass_scale", self.mass_scale, POSITIVE)
+        arrays = {"q_start": self.q_start}
+        if self.target is not None:
+            arrays["target"] = self.target
+        if self.push is not None:
+            instance(f"{name}.push", self.push, Push)
+            arrays["push.torque"] = self.push.torque
+        for part, array in arrays.items():
+            real_array(f"{name}.{part}", array, (dof,))
+        if self.hardware is not None:
+            instance(f"{name}.hardware", self.hardware, HardwareDraw)
+            self.hardware.check(f"{name}.hardware", dof)

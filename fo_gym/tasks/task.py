@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.checks import NOT_NEGATIVE, POSITIVE, check_numbers, check_ranges
 from fo_gym.hardware import Hardware, draw_hardware
 from fo_gym.parameters import FlexibleJoint, ImpedanceGains, LuGre, PDGains, per_joint
 from fo_gym.plant import Robot
@@ -54,16 +55,10 @@ class Randomization:
     push: Range = (0.5, 1.5)
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.start) and self.start >= 0):
-            raise ValueError(f"Randomization.start is {self.start}; it must be finite and at least 0")
-        for each in fields(self):
-            if each.name == "start":
-                continue
-            low, high = getattr(self, each.name)
-            may_be_zero = each.name in ("step", "push", "push_time")
-            if not (0 <= low <= high < math.inf and (may_be_zero or low > 0)):
-                bound = "0 <= low" if may_be_zero else "0 < low"
-                raise ValueError(f"Randomization.{each.name} is ({low}, {high}); it must be finite, {bound} <= high")
+        check_numbers(self, start=NOT_NEGATIVE)
+        check_ranges(self, step=NOT_NEGATIVE, push=NOT_NEGATIVE, push_time=NOT_NEGATIVE)
+        check_ranges(self, friction=POSITIVE, stiction=POSITIVE, stribeck=POSITIVE, bristle=POSITIVE, viscous=POSITIVE)
+        check_ranges(self, motor_inertia=POSITIVE, stiffness=POSITIVE, mass=POSITIVE)
 
 
 @dataclass(frozen=True, eq=False)
