@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baselines.gains import check_gain
-from baselines.lugre1995 import IDENTIFIED, model_of
+from baselines.lugre1995 import IDENTIFIED, checked_friction, model_of
 from fo_gym import JointInfo, LuGre, Signals
 
 Array = NDArray[np.float64]
@@ -43,7 +43,7 @@ class FrictionFeedForward:
     search_space: ClassVar[dict[str, tuple[float, float]]] = {"rate": (1.0, 100.0)}
 
     def __init__(self, friction: LuGre | Mapping[int, LuGre], rate: float = 10.0) -> None:
-        self.friction = friction
+        self.friction = checked_friction(self, friction)
         self.rate = check_gain(self, "rate", rate)
 
     def reset(self, joints: JointInfo, num_envs: int) -> None:

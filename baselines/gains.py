@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from fo_gym import JointInfo
+from fo_gym.checks import POSITIVE, number
 
 __all__ = ["check_bandwidth", "check_gain"]
 
 
 def check_gain(owner: object, name: str, value: float) -> float:
-    """The gain as a float.
-
-    Raises:
-        ValueError: it is not finite and above 0.
-    """
-    if not (np.isfinite(value) and value > 0):
-        raise ValueError(f"{type(owner).__name__}: {name} is {value}; it must be finite and above 0")
-    return float(value)
+    """The gain as a float. Raises ValueError where it is no number, or not finite and above 0."""
+    return number(f"{type(owner).__name__}: {name}", value, POSITIVE)
 
 
 def check_bandwidth(owner: object, bandwidth: float, joints: JointInfo) -> None:

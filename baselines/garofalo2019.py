@@ -15,7 +15,8 @@ applied over the past period.
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+import math
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,6 +88,8 @@ class SuperTwistingObserver:
         return error
 
 
-def supertwisting(**gains: Any) -> SuperTwistingObserver:
+def supertwisting(
+    S1: float = 200.0, T1: float = 2.0 * math.sqrt(200.0), S2: float = 2500.0, T2: float = 100.0
+) -> SuperTwistingObserver:
     """The super-twisting observer with gains of ours, its linear part as fast as the paper's low gains."""
-    return SuperTwistingObserver(**({"S1": 200.0, "T1": 2.0 * np.sqrt(200.0), "S2": 2500.0, "T2": 100.0} | gains))
+    return SuperTwistingObserver(S1, T1, S2, T2)

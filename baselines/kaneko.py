@@ -20,7 +20,7 @@ Discrete time, with p = B theta' and tau_m as it was applied over the past perio
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,6 +66,6 @@ class KanekoObserver:
         return self._estimate
 
 
-def kaneko(**gains: Any) -> KanekoObserver:
+def kaneko(L: float = 100.0) -> KanekoObserver:
     """The observer without torque sensing at L = 100 1/s, the paper's high bandwidth."""
-    return KanekoObserver(**({"L": 100.0} | gains))
+    return KanekoObserver(L)

@@ -13,7 +13,7 @@ The two with measured feedback are the ablation: the same low-passes of tau_f, w
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -126,31 +126,31 @@ class MeasuredPIDObserver(PIDObserver):
 # Gains of arXiv:1907.00553, section V; a keyword replaces one of them.
 
 
-def pid_low(**gains: Any) -> PIDObserver:
+def pid_low(L: float = 50.0, Lp: float = 10.0, Li: float = 25.0) -> PIDObserver:
     """PID-type observer with the paper's low gains."""
-    return PIDObserver(**({"L": 50.0, "Lp": 10.0, "Li": 25.0} | gains))
+    return PIDObserver(L, Lp, Li)
 
 
-def pid_high(**gains: Any) -> PIDObserver:
+def pid_high(L: float = 100.0, Lp: float = 20.0, Li: float = 100.0) -> PIDObserver:
     """PID-type observer with the paper's high gains."""
-    return PIDObserver(**({"L": 100.0, "Lp": 20.0, "Li": 100.0} | gains))
+    return PIDObserver(L, Lp, Li)
 
 
-def pd_low(**gains: Any) -> PDObserver:
+def pd_low(L: float = 50.0, Lp: float = 10.0) -> PDObserver:
     """PD-type observer with the paper's low gains."""
-    return PDObserver(**({"L": 50.0, "Lp": 10.0} | gains))
+    return PDObserver(L, Lp)
 
 
-def pd_high(**gains: Any) -> PDObserver:
+def pd_high(L: float = 100.0, Lp: float = 20.0) -> PDObserver:
     """PD-type observer with the paper's high gains."""
-    return PDObserver(**({"L": 100.0, "Lp": 20.0} | gains))
+    return PDObserver(L, Lp)
 
 
-def pid_measured(**gains: Any) -> MeasuredPIDObserver:
+def pid_measured(L: float = 100.0, Lp: float = 20.0, Li: float = 100.0) -> MeasuredPIDObserver:
     """PID-type observer with the paper's high gains and measured feedback."""
-    return MeasuredPIDObserver(**({"L": 100.0, "Lp": 20.0, "Li": 100.0} | gains))
+    return MeasuredPIDObserver(L, Lp, Li)
 
 
-def pd_measured(**gains: Any) -> MeasuredPDObserver:
+def pd_measured(L: float = 100.0, Lp: float = 20.0) -> MeasuredPDObserver:
     """PD-type observer with the paper's high gains and measured feedback."""
-    return MeasuredPDObserver(**({"L": 100.0, "Lp": 20.0} | gains))
+    return MeasuredPDObserver(L, Lp)

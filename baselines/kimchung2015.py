@@ -31,13 +31,14 @@ held over the period.
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baselines.gains import check_bandwidth, check_gain
 from fo_gym import JointInfo, Signals
+from fo_gym.checks import flag
 
 Array = NDArray[np.float64]
 
@@ -61,7 +62,7 @@ class KimChungObserver:
 
     def __init__(self, L: float, tau_k: bool = False, eps: float = 1e-4, tie: float = 7.0) -> None:
         self.L = check_gain(self, "L", L)
-        self.tau_k = bool(tau_k)
+        self.tau_k = flag("KimChungObserver: tau_k", tau_k)
         self.eps = check_gain(self, "eps", eps)
         self.tie = check_gain(self, "tie", tie)
 
@@ -98,6 +99,6 @@ class KimChungObserver:
         return torque
 
 
-def kimchung(**gains: Any) -> KimChungObserver:
+def kimchung(L: float = 100.0, tau_k: bool = False, eps: float = 1e-4, tie: float = 7.0) -> KimChungObserver:
     """The disturbance observer at L = 100 1/s, the paper's high bandwidth, without tau_k."""
-    return KimChungObserver(**({"L": 100.0} | gains))
+    return KimChungObserver(L, tau_k, eps, tie)

@@ -16,7 +16,7 @@ sigma_hat's form is derived from. The predictor moves with tau_m = tau_c - tau_f
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,6 +82,6 @@ class L1Observer:
         return self._filtered
 
 
-def l1(**gains: Any) -> L1Observer:
+def l1(G: float = 1e4, Gp: float = 100.0, K: float = 150.0) -> L1Observer:
     """The L1 observer with the gains of the published code, at the upper end of its K of 120 to 150 1/s."""
-    return L1Observer(**({"G": 1e4, "Gp": 100.0, "K": 150.0} | gains))
+    return L1Observer(G, Gp, K)

@@ -6,7 +6,7 @@ with Joint Torque Measurement", IROS 2008; as compared in arXiv:1907.00553.
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,11 +51,11 @@ class LeTienObserver:
 # Gains of arXiv:1907.00553, section V; a keyword replaces one of them.
 
 
-def letien_low(**gains: Any) -> LeTienObserver:
+def letien_low(L: float = 50.0, gain: float = 1.0) -> LeTienObserver:
     """Le Tien's observer with the paper's low gain."""
-    return LeTienObserver(**({"L": 50.0} | gains))
+    return LeTienObserver(L, gain)
 
 
-def letien_high(**gains: Any) -> LeTienObserver:
+def letien_high(L: float = 100.0, gain: float = 1.0) -> LeTienObserver:
     """Le Tien's observer with the paper's high gain."""
-    return LeTienObserver(**({"L": 100.0} | gains))
+    return LeTienObserver(L, gain)

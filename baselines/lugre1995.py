@@ -20,10 +20,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym import JointInfo, LuGre, Signals
+from fo_gym.checks import NOT_NEGATIVE, number, shown
 
 Array = NDArray[np.float64]
 
-__all__ = ["IDENTIFIED", "MISIDENTIFIED", "MISMATCH", "LuGreObserver", "lugre_nominal", "lugre_off", "model_of"]
+__all__ = [
+    "IDENTIFIED",
+    "MISIDENTIFIED",
+    "MISMATCH",
+    "LuGreObserver",
+    "checked_friction",
+    "lugre_nominal",
+    "lugre_off",
+    "model_of",
+]
 
 _ARM_F_C = np.array([4.0, 4.0, 4.0, 4.0, 3.0, 3.0, 3.0])
 _ARM_SIGMA_0 = _ARM_F_C / 1e-4
@@ -57,6 +67,17 @@ def _misidentified(friction: LuGre) -> LuGre:
 
 MISIDENTIFIED: Mapping[int, LuGre] = {dof: _misidentified(friction) for dof, friction in IDENTIFIED.items()}
 """IDENTIFIED with every parameter off by its MISMATCH."""
+
+
+def checked_friction(owner: object, friction: LuGre | Mapping[int, LuGre]) -> LuGre | Mapping[int, LuGre]:
+    """The argument as it is. Raises ValueError where it is no friction model, nor one for each number of joints."""
+    models = friction.values() if isinstance(friction, Mapping) else (friction,)
+    if not models or not all(isinstance(model, LuGre) for model in models):
+        raise ValueError(
+            f"{type(owner).__name__}: friction is {shown(friction)}; give fo_gym.LuGre(...), or one for "
+            "each number of joints, {dof: fo_gym.LuGre(...)}"
+        )
+    return friction
 
 
 def model_of(owner: object, friction: LuGre | Mapping[int, LuGre], dof: int) -> LuGre:
@@ -102,10 +123,8 @@ class LuGreObserver:
     search_space: ClassVar[dict[str, tuple[float, float]]] = {"k": (1e-6, 1e-2)}
 
     def __init__(self, friction: LuGre | Mapping[int, LuGre], k: float = 1e-3) -> None:
-        if not (np.isfinite(k) and k >= 0.0):
-            raise ValueError(f"LuGreObserver: k is {k}; it must be finite and at least 0")
-        self.friction = friction
-        self.k = float(k)
+        self.friction = checked_friction(self, friction)
+        self.k = number("LuGreObserver: k", k, NOT_NEGATIVE)
 
     def reset(self, joints: JointInfo, num_envs: int) -> None:
         """Start new episodes with the bristles at rest. Raises ValueError where no friction model fits the robot."""

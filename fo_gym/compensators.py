@@ -17,6 +17,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.checks import shown, text
 from fo_gym.parameters import JointInfo
 from fo_gym.sensors import Signals
 
@@ -136,8 +137,8 @@ def _factory(spec: str) -> Any:
             both = " and ".join(entry.value for entry in plug_ins[spec])
             raise ValueError(f"two plug-ins are called {spec!r}: {both}; name one of them as module:Class")
         return plug_ins[spec][0].load()
-    where, colon, attribute = spec.rpartition(":")
-    if not colon:
+    where, _, attribute = spec.rpartition(":")
+    if not where or not attribute or where.startswith("."):
         known = ", ".join(list_compensators())
         raise ValueError(f"unknown compensator {spec!r}; registered are {known}; or name module:Class or file.py:Class")
     if where.endswith(".py"):
@@ -153,7 +154,10 @@ def _factory(spec: str) -> Any:
             ) from error
     if not hasattr(module, attribute):
         raise ValueError(f"compensator {spec!r}: {where} has no {attribute!r}")
-    return getattr(module, attribute)
+    factory = getattr(module, attribute)
+    if not callable(factory):
+        raise ValueError(f"compensator {spec!r} is {shown(factory)}; name a class, or a function that makes one")
+    return factory
 
 
 def make_compensator(spec: str, **gains: Any) -> Compensator:
@@ -168,6 +172,7 @@ def make_compensator(spec: str, **gains: Any) -> Compensator:
         TypeError: the class does not take such a gain, or what it makes is no compensator.
         CompensatorError: importing or making it raised something else.
     """
+    text("compensator", spec)
     try:
         candidate = _factory(spec)(**gains)
     except (ValueError, TypeError):

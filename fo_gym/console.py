@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
@@ -18,7 +19,20 @@ from fo_gym.text import one_line, printable
 console = Console(width=None if sys.stdout.isatty() else 140)
 errors = Console(stderr=True)
 
-__all__ = ["Stop", "check_jobs", "console", "errors", "progress_bar", "say", "tell_written", "text_table"]
+MAX_JOBS = 1024
+"""Worker processes at most."""
+
+__all__ = [
+    "Stop",
+    "check_folder",
+    "check_jobs",
+    "console",
+    "errors",
+    "progress_bar",
+    "say",
+    "tell_written",
+    "text_table",
+]
 
 
 class Stop(typer.Exit):
@@ -30,9 +44,18 @@ class Stop(typer.Exit):
 
 
 def check_jobs(jobs: int) -> None:
-    """Stop where --jobs is 0."""
-    if jobs == 0:
-        raise Stop("--jobs is 0; give the number of worker processes, or -1 for one per core")
+    """Stop where --jobs is neither a number of processes nor -1."""
+    if jobs != -1 and not 1 <= jobs <= MAX_JOBS:
+        raise Stop(
+            f"--jobs is {jobs}; give the number of worker processes, from 1 to {MAX_JOBS}, or -1 for one per core"
+        )
+
+
+def check_folder(option: str, folder: Path) -> None:
+    """Stop where a folder can be neither made nor written into: what is computed would be lost at the end."""
+    nearest = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
+    if not nearest.is_dir() or not os.access(nearest, os.W_OK):
+        raise Stop(f"{option} is {folder}, but {nearest} is no folder that can be written into; choose another")
 
 
 @contextmanager

@@ -10,6 +10,8 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
+from fo_gym.checks import seed_number, text
+
 try:
     from stable_baselines3.common.vec_env import VecEnv
     from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvStepReturn
@@ -122,7 +124,12 @@ def make_vec_env(env_id: str, num_envs: int, *, seed: int | None = None, **setti
         num_envs: size of the batch.
         seed: environment i gets the seed `seed` + i at the first reset.
         settings: arguments of the environment, see `fo_gym.Settings`.
+
+    Raises:
+        ValueError, TypeError: an argument is not allowed.
     """
+    text("env_id", env_id)
+    seed = None if seed is None else seed_number("seed", seed)
     venv = VecEnvAdapter(gym.make_vec(env_id, num_envs=num_envs, autoreset_mode=AutoresetMode.DISABLED, **settings))
     if seed is not None:
         venv.seed(seed)

@@ -57,7 +57,7 @@ def test_a_file_is_read(tmp_path: Path) -> None:
         ("seeds = 2", "seeds = 0", "0 seeds were asked for"),
         ("seeds = 2", "seeds = 1001", "1001 seeds.*from 1 to 1000"),
         ("seeds = 2", "seeds = ", r"small\.toml"),
-        ('"validation"', '"training"', "split is 'training'; allowed are leaderboard, validation"),
+        ('"validation"', '"training"', "split is 'training'; allowed are 'leaderboard', 'validation'"),
         ("FJRSquare-v0", "CartPole-v1", "unknown environment 'CartPole-v1'; known are FJRStiction-v0"),
         ('"randomized"', '"virtual"', "unknown variant 'virtual'; known are nominal, randomized, hardware"),
         ('"randomized"', '"nominal"', r"variants \['nominal', 'nominal'\] names one of them twice"),

@@ -18,7 +18,6 @@ gains = { L = 60.0 }
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from importlib.resources import files
@@ -27,7 +26,7 @@ from typing import Any
 
 from fo_gym.compensators import BUILT_IN
 from fo_gym.evaluation.competitor import BASELINE, REFERENCE, SUBMISSION, Competitor, Gains
-from fo_gym.evaluation.protocol import known_environments
+from fo_gym.evaluation.protocol import known_environments, read_toml
 from fo_gym.tasks.task import VARIANTS
 from fo_gym.text import one_line
 
@@ -87,10 +86,7 @@ def load_entry(path: Path) -> Competitor:
     """
     if not path.is_file():
         raise ValueError(f"there is no entry {path}; shipped ones are {', '.join(shipped_entries()) or 'none'}")
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise ValueError(f"entry {path}: {error}") from error
+    content = read_toml("entry", path)
     _check_keys(path, "", content, _NEEDED, _ALLOWED)
     for key, kind in (("spec", str), ("link", str), ("name", str), ("authors", list), ("gains", dict), ("sets", list)):
         if not isinstance(content.get(key, kind()), kind):

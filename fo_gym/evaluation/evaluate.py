@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from fo_gym.checks import choice, only, seed_number, shown, text, whole_number
 from fo_gym.compensators import Compensator, Ideal, NoCompensation, checked
+from fo_gym.envs.settings import Settings
 from fo_gym.evaluation.entry import competitor_of
 from fo_gym.evaluation.metrics import METRICS, score
 from fo_gym.evaluation.provenance import provenance
 from fo_gym.evaluation.recording import Recording, References, record
 from fo_gym.evaluation.seeds import VALIDATION_SEEDS, first
+from fo_gym.tasks.task import VARIANTS
 
 OK, TERMINATED, FAILED = "ok", "terminated", "failed"
 
@@ -87,11 +90,12 @@ def failed_rows(episodes: EpisodeSet, name: str, error: str, protocol: str = "")
 
 def evaluation_seeds(variant: str, seeds: int | Sequence[int]) -> tuple[int, ...]:
     """The seeds that are meant: n means the first n validation seeds; "nominal" has no randomness and runs once."""
-    if not isinstance(seeds, int | np.integer):
-        if not len(seeds) or not all(int(seed) == seed >= 0 for seed in seeds):
-            raise ValueError(f"seeds are {list(seeds)}; give whole numbers of at least 0, one or more of them")
-        return tuple(int(seed) for seed in seeds)
-    chosen = first(VALIDATION_SEEDS, int(seeds))
+    if isinstance(seeds, Sequence | np.ndarray) and not isinstance(seeds, str | bytes) and np.ndim(seeds) == 1:
+        given = tuple(seed_number(f"seeds[{i}]", seed) for i, seed in enumerate(seeds))
+        if not given or len(set(given)) < len(given):
+            raise ValueError(f"seeds are {shown(seeds)}; give one or more of them, each once")
+        return given
+    chosen = first(VALIDATION_SEEDS, whole_number("seeds", seeds, 1, len(VALIDATION_SEEDS)))
     return chosen[:1] if variant == "nominal" else chosen
 
 
@@ -121,13 +125,16 @@ def evaluate(
         CompensatorError: the compensator raised, or returned what is not a finite (num_envs, dof) array.
         ValueError, TypeError: an argument is not allowed.
     """
+    text("env_id", env_id)
+    choice("variant", variant, VARIANTS)
     for fixed, why in (("feedback", "it is the compensator's"), ("action_mode", "estimates are scored")):
         if fixed in env_kwargs:
             raise ValueError(f"{fixed} cannot be chosen in an evaluation: {why}; leave it out")
+    only("keyword argument", env_kwargs, [each.name for each in fields(Settings)])
     with _playing(compensator, env_id, variant) as (name, instance, content):
         episodes = EpisodeSet(env_id, variant, evaluation_seeds(variant, seeds), env_kwargs)
-        none, ideal = references_of(episodes)
-        recording = episodes.record(instance, name)
+        recording = episodes.record(instance, name)  # first: what cannot run says so at once
+    none, ideal = references_of(episodes)
     table = rows(episodes, name, recording, References(ideal.motions, none.motions))
     return table.assign(competitor_hash=content)
 

@@ -8,15 +8,17 @@ import tomllib
 from dataclasses import asdict, dataclass, fields
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 from gymnasium.envs.registration import registry
 
+from fo_gym.checks import choice, text
 from fo_gym.evaluation.seeds import LEADERBOARD_SEEDS, VALIDATION_SEEDS, first
 from fo_gym.tasks.task import VARIANTS
 
 SPLITS = {"leaderboard": LEADERBOARD_SEEDS, "validation": VALIDATION_SEEDS}
 
-__all__ = ["Protocol", "known_environments", "load_protocol", "shipped_protocols"]
+__all__ = ["Protocol", "known_environments", "load_protocol", "read_toml", "shipped_protocols"]
 
 
 def known_environments() -> tuple[str, ...]:
@@ -48,8 +50,8 @@ class Protocol:
     def __post_init__(self) -> None:
         if not isinstance(self.seeds, int) or isinstance(self.seeds, bool):
             raise ValueError(f"protocol {self.name!r}: seeds is {self.seeds!r}; it must be a whole number")
-        if self.split not in SPLITS:
-            raise ValueError(f"protocol {self.name!r}: split is {self.split!r}; allowed are {', '.join(SPLITS)}")
+        text("protocol: name", self.name)
+        choice(f"protocol {self.name!r}: split", self.split, SPLITS)
         for what, values, allowed in (
             ("environment", self.environments, known_environments()),
             ("variant", self.variants, VARIANTS),
@@ -87,6 +89,14 @@ def shipped_protocols() -> dict[str, Path]:
     return {path.stem: path for path in sorted(folder.glob("*.toml"))}
 
 
+def read_toml(what: str, path: Path) -> dict[str, Any]:
+    """The content of a TOML file. Raises ValueError where it cannot be read, naming it as `what`."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, OSError) as error:
+        raise ValueError(f"{what} {path}: {error}; give a text file in TOML") from error
+
+
 def load_protocol(file: str | Path) -> Protocol:
     """Read a protocol: the name of a shipped one, or a TOML file.
 
@@ -97,10 +107,7 @@ def load_protocol(file: str | Path) -> Protocol:
     path = shipped.get(str(file), Path(file))
     if not path.is_file():
         raise ValueError(f"there is no protocol {str(file)!r}; name a TOML file or one of {', '.join(shipped)}")
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except tomllib.TOMLDecodeError as error:
-        raise ValueError(f"protocol {path}: {error}") from error
+    content = read_toml("protocol", path)
     expected = {field.name for field in fields(Protocol)}
     if set(content) != expected:
         missing, unknown = sorted(expected - set(content)), sorted(set(content) - expected)
