@@ -21,6 +21,10 @@ Array = NDArray[np.float64]
 MAX_SEED = 2**128 - 1
 """The largest seed, 128 bits: as many as NumPy draws where no seed is given."""
 
+_NOT_REALLY = bool | np.timedelta64
+"""Classes that derive from integers, and are none."""
+
+_LONGEST = 160
 _SHORT = reprlib.Repr()
 _SHORT.maxother = _SHORT.maxstring = _SHORT.maxlong = 90
 
@@ -58,7 +62,8 @@ def shown(value: object) -> str:
     if isinstance(value, np.generic):
         value = value.item()
     try:
-        return " ".join(_SHORT.repr(value).split())
+        line = " ".join(_SHORT.repr(value).split())
+        return line if len(line) <= _LONGEST else f"{line[: _LONGEST - 3]}..."
     except ValueError:  # Python does not print integers of more than 4300 digits
         return f"a {type(value).__name__} too long to print"
 
@@ -107,7 +112,7 @@ def number(name: str, value: Any, bound: Bound = FINITE, unit: str = "") -> floa
     Raises:
         ValueError: it is no number, or out of bounds.
     """
-    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
+    if isinstance(value, _NOT_REALLY) or not isinstance(value, int | float | np.integer | np.floating):
         raise ValueError(f"{name} is {shown(value)}; give a number{f' in {unit}' if unit else ''}, {bound}")
     try:
         result = float(value)
@@ -120,7 +125,7 @@ def number(name: str, value: Any, bound: Bound = FINITE, unit: str = "") -> floa
 
 def whole_number(name: str, value: Any, low: int, high: int | None = None) -> int:
     """An integer, of Python or NumPy, from `low` to `high`. Raises ValueError for anything else, also for 2.0."""
-    whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+    whole = isinstance(value, int | np.integer) and not isinstance(value, _NOT_REALLY)
     if not whole or value < low or (high is not None and value > high):
         allowed = f"of at least {low}" if high is None else f"from {low} to {high}"
         raise ValueError(f"{name} is {shown(value)}; give a whole number {allowed}")
@@ -193,16 +198,17 @@ def real(name: str, value: Any) -> Array:
     Raises:
         ValueError: it holds something else than integers and floats, or masked values, or is no array at all.
     """
+    array = value
     if type(value) is not np.ndarray:
         if isinstance(value, np.ma.MaskedArray):
             raise ValueError(f"{name} is {shown(value)}; give an array without a mask, such as .filled(0.0)")
         try:
-            value = np.asarray(value)
+            array = np.asarray(value)
         except Exception as error:  # ragged lists, and whatever an object's __array__ raises
             raise ValueError(f"{name} is {shown(value)}; give an array of real numbers: {error}") from error
-    if value.dtype.kind not in "fiu":
-        raise ValueError(f"{name} is {shown(value)}, of type {value.dtype}; give real numbers")
-    return np.asarray(value, dtype=np.float64)
+    if array.dtype.kind not in "fiu":
+        raise ValueError(f"{name} is {shown(value)}, of type {array.dtype}; give real numbers")
+    return np.asarray(array, dtype=np.float64)
 
 
 def real_array(name: str, value: Any, shape: tuple[int, ...], bound: Bound = FINITE) -> Array:

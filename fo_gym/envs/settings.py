@@ -110,8 +110,8 @@ class Settings:
         seconds = task.duration if self.duration is None else self.duration
         if seconds / self.control_dt > MAX_TICKS:
             raise ValueError(
-                f"duration is {seconds:g} s, more than {MAX_TICKS} periods of control_dt = {self.control_dt:g} s; give "
-                f"a duration of at most {MAX_TICKS * self.control_dt:g} s, or a longer control_dt"
+                f"duration is {shown(seconds)} s, more than {MAX_TICKS} periods of control_dt = {self.control_dt:g} s; "
+                f"give a duration of at most {MAX_TICKS * self.control_dt:g} s, or a longer control_dt"
             )
         periods = max(1, round(seconds / self.control_dt))
         if self.decimation > periods:

@@ -134,6 +134,7 @@ class JointEnv(gym.Env[Array, Array]):
             ValueError: it is no state, or one of another environment; nothing has changed then.
         """
         simulation, generator = parts_of(state, 2)
+        self.simulation.check_state(simulation)
         restored("state of the random generator", self.np_random, generator)
         self.simulation.set_state(simulation)
         self.np_random.bit_generator.state = generator

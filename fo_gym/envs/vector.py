@@ -212,6 +212,7 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
             ValueError: it is no state, or one of another environment; nothing has changed then.
         """
         simulation, generators, ended = parts_of(state, 3)
+        self.simulation.check_state(simulation)
         again = restored_all("state of the random generators", generators, self.num_envs)
         if not (isinstance(ended, np.ndarray) and ended.shape == (self.num_envs,) and ended.dtype == np.bool_):
             raise ValueError(f"state of who has ended is {shown(ended)}; it must be {self.num_envs} bools")
