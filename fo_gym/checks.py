@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 import reprlib
 from collections.abc import Iterable, Sequence
-from copy import deepcopy
 from dataclasses import dataclass
 from typing import Any
 
@@ -36,6 +35,8 @@ __all__ = [
     "POSITIVE_OR_INFINITE",
     "Bound",
     "check_numbers",
+    "check_random_state",
+    "check_random_states",
     "check_ranges",
     "check_values",
     "choice",
@@ -47,7 +48,6 @@ __all__ = [
     "real",
     "real_array",
     "restored",
-    "restored_all",
     "seed_number",
     "shown",
     "text",
@@ -84,8 +84,12 @@ class Bound:
 
     def holds(self, array: Array) -> bool:
         """Whether all values lie there."""
-        inside = array > self.low if self.excluded else array >= self.low
-        return bool(np.all(inside & np.isfinite(array) if self.finite else inside))
+        return array.size == 0 or self.between(float(array.min()), float(array.max()))
+
+    def between(self, least: float, most: float) -> bool:
+        """Whether all values from `least` to `most` lie there; never, where one of them is NaN."""
+        inside = least > self.low if self.excluded else least >= self.low
+        return inside and (not self.finite or -math.inf < least <= most < math.inf)
 
     def __str__(self) -> str:
         parts = ["finite"] if self.finite else []
@@ -118,7 +122,7 @@ def number(name: str, value: Any, bound: Bound = FINITE, unit: str = "") -> floa
         result = float(value)
     except OverflowError:
         result = math.inf if value > 0 else -math.inf
-    if not bound.holds(np.array(result)):
+    if not bound.between(result, result):
         raise ValueError(f"{name} is {shown(value)}{f' {unit}' if unit else ''}; it must be {bound}")
     return result
 
@@ -139,22 +143,30 @@ def seed_number(name: str, value: Any) -> int:
     return whole_number(name, value, 0)
 
 
-def restored(name: str, like: np.random.Generator, state: Any) -> np.random.Generator:
-    """A new random generator of the kind of `like` in a saved state. Raises ValueError where it is no such state."""
-    generator = deepcopy(like)
+def check_random_state(name: str, state: Any, scratch: np.random.Generator) -> None:
+    """Raise ValueError where a generator of the kind of `scratch`, which is changed, cannot be set to `state`."""
     try:
-        generator.bit_generator.state = state
+        scratch.bit_generator.state = state
     except Exception as error:  # NumPy raises what comes up, according to what is wrong with it
         raise ValueError(f"{name} is {shown(state)}; give the state that such a generator had: {error!r}") from error
-    return generator
 
 
-def restored_all(name: str, states: Any, count: int) -> list[np.random.Generator]:
-    """New random generators, as `numpy.random.default_rng` makes them, in saved states. Raises as `restored` does."""
+def check_random_states(name: str, states: Any, count: int) -> None:
+    """Raise ValueError where these are no states of `count` generators as `numpy.random.default_rng` makes them."""
     if not isinstance(states, list | tuple) or len(states) != count:
         raise ValueError(f"{name} is {shown(states)}; give a list of {count} states of random generators")
-    like = np.random.default_rng(0)
-    return [restored(f"{name}[{i}]", like, state) for i, state in enumerate(states)]
+    scratch = np.random.default_rng(0)
+    for i, state in enumerate(states):
+        check_random_state(f"{name}[{i}]", state, scratch)
+
+
+def restored(states: Iterable[Any]) -> list[np.random.Generator]:
+    """New random generators, as `numpy.random.default_rng` makes them, in these states."""
+    generators = []
+    for state in states:
+        generators.append(np.random.default_rng(0))
+        generators[-1].bit_generator.state = state
+    return generators
 
 
 def flag(name: str, value: Any) -> bool:
@@ -229,6 +241,8 @@ def whole_array(name: str, value: Any, shape: tuple[int, ...], low: int, high: i
 
 def values(name: str, value: Any, bound: Bound = FINITE) -> float | Array:
     """One number for all joints, or a new array with one for each. Raises ValueError for anything else."""
+    if type(value) is float and bound.between(value, value):
+        return value  # most of them, and quickly
     array = real(name, value)
     if array.ndim > 1 or array.size == 0:
         raise ValueError(f"{name} has shape {array.shape}; give one value for all joints or one for each of them")

@@ -143,7 +143,7 @@ def _factory(spec: str) -> Any:
         raise ValueError(f"unknown compensator {spec!r}; registered are {known}; or name module:Class or file.py:Class")
     if where.endswith(".py"):
         if not Path(where).is_file():
-            raise ValueError(f"compensator {spec!r}: there is no file {where}")
+            raise ValueError(f"compensator {spec!r}: there is no file {where}; name one that exists")
         module = _module_from_file(Path(where))
     else:
         try:
@@ -153,7 +153,7 @@ def _factory(spec: str) -> Any:
                 f"compensator {spec!r}: {error}; is the package installed? A file is named file.py:Class"
             ) from error
     if not hasattr(module, attribute):
-        raise ValueError(f"compensator {spec!r}: {where} has no {attribute!r}")
+        raise ValueError(f"compensator {spec!r}: {where} has no {attribute!r}; name a class that it has")
     factory = getattr(module, attribute)
     if not callable(factory):
         raise ValueError(f"compensator {spec!r} is {shown(factory)}; name a class, or a function that makes one")

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryFile
 
 import typer
 from rich.console import Console
@@ -54,8 +54,13 @@ def check_jobs(jobs: int) -> None:
 def check_folder(option: str, folder: Path) -> None:
     """Stop where a folder can be neither made nor written into: what is computed would be lost at the end."""
     nearest = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
-    if not nearest.is_dir() or not os.access(nearest, os.W_OK):
-        raise Stop(f"{option} is {folder}, but {nearest} is no folder that can be written into; choose another")
+    try:
+        with TemporaryFile(dir=nearest):  # permissions alone do not tell
+            pass
+    except OSError as error:
+        raise Stop(
+            f"{option} is {folder}, but nothing can be written into {nearest}: {error.strerror}; choose another"
+        ) from error
 
 
 @contextmanager

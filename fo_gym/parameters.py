@@ -6,7 +6,7 @@ A field takes a float (the same for all joints) or an array with one value per j
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,25 +17,32 @@ from fo_gym.checks import NOT_NEGATIVE, POSITIVE, check_numbers, check_values
 Array = NDArray[np.float64]
 Value = float | Array
 
-__all__ = ["FRICTIONLESS", "FlexibleJoint", "ImpedanceGains", "JointInfo", "LuGre", "PDGains", "per_joint"]
+__all__ = [
+    "FRICTIONLESS",
+    "FlexibleJoint",
+    "ImpedanceGains",
+    "JointInfo",
+    "LuGre",
+    "PDGains",
+    "check_joints",
+    "per_joint",
+]
+
+
+def check_joints(parameters: Any, dof: int) -> None:
+    """Raise ValueError where a field has neither one value nor `dof` of them."""
+    for name, value in vars(parameters).items():
+        if np.shape(value) not in ((), (1,), (dof,)):
+            raise ValueError(
+                f"{type(parameters).__name__}.{name} has shape {np.shape(value)}; "
+                f"give one value for all joints or one for each of the {dof}"
+            )
 
 
 def per_joint(parameters: Any, dof: int) -> Any:
-    """The same parameters with every field as an array (dof,).
-
-    Raises:
-        ValueError: a field has neither one value nor `dof` of them.
-    """
-    values = {}
-    for field in fields(parameters):
-        value = np.asarray(getattr(parameters, field.name), dtype=np.float64)
-        if value.shape not in ((), (1,), (dof,)):
-            raise ValueError(
-                f"{type(parameters).__name__}.{field.name} has shape {value.shape}; "
-                f"give one value for all joints or one for each of the {dof}"
-            )
-        values[field.name] = np.broadcast_to(value, (dof,))
-    return type(parameters)(**values)
+    """The same parameters with every field as an array (dof,). Raises ValueError as `check_joints` does."""
+    check_joints(parameters, dof)
+    return type(parameters)(**{name: np.broadcast_to(value, (dof,)) for name, value in vars(parameters).items()})
 
 
 @dataclass(frozen=True, eq=False)

@@ -48,7 +48,7 @@ NO_ARRAYS = (
 """What is no array of real numbers."""
 
 _REMEDY = re.compile(
-    r"\b(give|must|allowed|takes?|needs?|make|name|use|keep|raise|leave|choose|install|write|known are|is reserved)\b"
+    r"\b(give|must|allowed|takes?|needs?|make|name|use|keep|raise|leave|choose|install|names?|installed|known are)\b"
 )
 
 

@@ -91,12 +91,12 @@ def test_size_and_modes_of_a_vector_environment() -> None:
 
 
 def test_views_of_an_observation() -> None:
-    obs = np.zeros(7)
+    obs = np.zeros(9)
     view = fo_gym.Signals.from_observation
     cases: list[Attack] = [("dof", value, lambda value: view(obs, value)) for value in (*COUNTS, 2, 10**9)]
     cases += [
         ("observation", value, lambda value: view(value, 1))
-        for value in (None, "obs", 1.0, np.zeros(6), np.zeros((3, 0)), np.zeros(7, complex), np.zeros(7, bool), [[]])
+        for value in (None, "obs", 1.0, np.zeros(6), np.zeros((3, 0)), np.zeros(9, complex), np.zeros(9, bool), [[]])
     ]
     check_refused(cases)
 
@@ -124,4 +124,17 @@ def test_plants(pendulum: MakeRobot) -> None:
         for value in ("RK45", None, 1, ["euler"], {"euler"})
     ]
     check_refused(cases)
+    everyone, home = np.arange(2), np.zeros((2, 2))
+    for value in (None, "home", [1.0, 2.0, 3.0], np.full((2, 2), math.nan), np.zeros((2, 2), complex)):
+        cases += [("q", value, lambda value: plant.reset(everyone, value))]
+    for value in (*TIMES, None):
+        cases += [
+            (
+                "mass scale",
+                value,
+                lambda value: plant.configure(everyone, joints=JOINTS, friction=FRICTION, mass_scale=value),
+            )
+        ]
+    check_refused(cases)
+    np.testing.assert_array_equal(plant.q, home)
     np.testing.assert_array_equal(plant.time, 0.0)

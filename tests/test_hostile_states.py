@@ -163,8 +163,11 @@ def test_states_of_other_environments_both_ways() -> None:
             with pytest.raises(ValueError, match=told):
                 to.set_state(of.get_state())
     np.testing.assert_array_equal(nominal.simulation.observation(), before)
+    three, two = running(STICTION, 3), running(STICTION, 2)
     with pytest.raises(ValueError, match="num_envs is 3; here it is 2"):
-        running(STICTION, 2).set_state(running(STICTION, 3).get_state())
+        two.simulation.set_state(three.simulation.get_state())
+    with pytest.raises(ValueError, match="give a list of 2 states of random generators"):
+        two.set_state(three.get_state())
     shorter = running(REGULATION, duration=0.01)
     nominal.set_state(shorter.get_state())
     for _ in range(20):

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from fo_gym.console import Stop, progress_bar, tell_written
+from fo_gym.console import Stop, check_folder, progress_bar, tell_written
 
 __all__ = ["train"]
 
@@ -46,6 +46,7 @@ def train(
     from baselines.rl.design import Design  # noqa: PLC0415
     from baselines.rl.plan import Plan  # noqa: PLC0415
 
+    check_folder("--out", out)
     algorithm = ALGORITHMS[algo]
     try:
         plan = Plan(

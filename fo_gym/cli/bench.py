@@ -14,7 +14,8 @@ from rich.table import Table
 from fo_gym import ENVIRONMENTS
 from fo_gym.bench.report import EXPLANATION, counts, view, write_bench
 from fo_gym.bench.run import FULL, MISSES, QUICK, bench, check_envs, count
-from fo_gym.console import Stop, console, progress_bar, tell_written
+from fo_gym.console import Stop, check_folder, console, progress_bar, tell_written
+from fo_gym.plant.plant import MAX_ENVS
 
 __all__ = ["run_bench"]
 
@@ -22,7 +23,7 @@ __all__ = ["run_bench"]
 def run_bench(
     env: Annotated[list[str] | None, typer.Option(help="Environment id, repeatable; all by default.")] = None,
     num_envs: Annotated[
-        int | None, typer.Option(min=1, help="Environments of the batch; 256, or 16 with --quick.")
+        int | None, typer.Option(min=1, max=MAX_ENVS, help="Environments of the batch; 256, or 16 with --quick.")
     ] = None,
     repeats: Annotated[
         int | None, typer.Option(min=1, help="Rounds, in each of which everybody is timed once; 15, or 3 with --quick.")
@@ -48,6 +49,8 @@ def run_bench(
     size = QUICK if quick else FULL
     size = replace(size, num_envs=num_envs or size.num_envs, repeats=repeats or size.repeats)
     env_ids = env or list(ENVIRONMENTS)
+    if out is not None:
+        check_folder("--out", out)
     try:
         check_envs(env_ids)
     except ValueError as error:

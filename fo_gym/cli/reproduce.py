@@ -10,7 +10,7 @@ import typer
 from rich.markup import escape
 from rich.table import Table
 
-from fo_gym.console import Stop, check_jobs, console, errors, progress_bar, say, tell_written
+from fo_gym.console import Stop, check_folder, check_jobs, console, errors, progress_bar, say, tell_written
 
 __all__ = ["run_reproduce"]
 
@@ -47,6 +47,7 @@ def run_reproduce(
         raise Stop(f"{error}; install what `fo-gym reproduce` needs with: pip install 'fo-gym[reproduce]'") from error
     parts = PARTS if only is None else (only,)
     folder = out or Path("build/reproduce" if quick else "leaderboard")
+    check_folder("--out", folder)
     with progress_bar(size(parts)) as advance:
         found = reproduce(parts, Subject(quick=quick), folder / "paper" / "figures", jobs=jobs, on_unit=advance)
     for name, table in found.tables.items():

@@ -22,7 +22,7 @@ from fo_gym.cli.work import (
     submissions_of,
     working,
 )
-from fo_gym.console import Stop, console, say, tell_written, text_table
+from fo_gym.console import Stop, check_folder, console, say, tell_written, text_table
 from fo_gym.evaluation.backends import Name
 from fo_gym.evaluation.competitor import Competitor
 from fo_gym.evaluation.entry import competitor_of, shipped_entries
@@ -122,6 +122,8 @@ def evaluate(
     """
     if traces and out is None:
         raise Stop("--traces are written beside the results; add --out DIR, or leave --traces out")
+    if out is not None:
+        check_folder("--out", out)
     try:
         given = [competitor_of(name) for name in compensators]
         for competitor in given:
@@ -182,6 +184,8 @@ def run_leaderboard(
     except ValueError as error:
         raise Stop(str(error)) from error
     folder = out or Path("build/quick" if quick else "leaderboard")
+    check_folder("--out", folder)
+    check_folder("--store", store)
     results = _run(
         chosen,
         jobs,

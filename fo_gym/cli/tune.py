@@ -10,7 +10,7 @@ import typer
 from rich.table import Table
 
 import fo_gym
-from fo_gym.console import Stop, check_jobs, console, progress_bar, tell_written
+from fo_gym.console import Stop, check_folder, check_jobs, console, progress_bar, tell_written
 
 __all__ = ["run_tune"]
 
@@ -45,6 +45,7 @@ def run_tune(
         fo-gym evaluate build/tuning/pid-tuned.toml --env FJRStiction-v0 --variant hardware
     """
     check_jobs(jobs)
+    check_folder("--out", out)
     try:
         from fo_gym.tuning.run import tune  # noqa: PLC0415 (Optuna is an extra)
         from fo_gym.tuning.study import Case  # noqa: PLC0415

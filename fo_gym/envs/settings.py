@@ -32,8 +32,8 @@ class Settings:
         feedback: "measured" or "nominal", which motor signal the task's controller gets.
         control_dt: control period [s].
         physics_dt: micro-step [s]; None means min(2e-4, control_dt); it must divide control_dt.
-        decimation: control ticks per environment step, at least 1.
-        duration: length of an episode [s], rounded to whole steps, at least one.
+        decimation: control ticks per environment step, at least 1, at most those of the episode.
+        duration: length of an episode [s], rounded to whole steps, at least one; at most MAX_TICKS control periods.
         joints: motors and springs.
         friction: LuGre parameters.
         gains: PDGains or ImpedanceGains, as the task's controller needs.

@@ -244,13 +244,6 @@ class Simulation:
             self.robots.get_state(),
         )
 
-    def check_state(self, state: SimulationState) -> None:
-        """Raise ValueError where `state` is none of this simulation, naming the field."""
-        instance("state", state, SimulationState)
-        state.check(self._origin, self.limits, self.last_tick)
-        self.plant.check_state(state.plant)
-        self.robots.check_state(state.robots)
-
     def set_state(self, state: SimulationState) -> None:
         """Continue from a copy of `state`, exactly.
 
@@ -258,7 +251,10 @@ class Simulation:
             ValueError: the state is of another environment, or a field of it has another shape or kind of value;
                 nothing has changed then.
         """
-        self.check_state(state)
+        instance("state", state, SimulationState)
+        state.check(self._origin, self.limits, self.last_tick)
+        self.plant.check_state(state.plant)
+        self.robots.check_state(state.robots)
         everyone = np.arange(self.num_envs)
         for i, scenario in enumerate(state.scenarios):
             self._configure(i, scenario)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import deepcopy
 from typing import Any, ClassVar
 
 import gymnasium as gym
@@ -10,7 +11,7 @@ import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
-from fo_gym.checks import choice, restored, seed_number
+from fo_gym.checks import check_random_state, choice, seed_number
 from fo_gym.envs.actions import checked_action
 from fo_gym.envs.rendering import SceneRenderer
 from fo_gym.envs.settings import Settings
@@ -71,7 +72,8 @@ class JointEnv(gym.Env[Array, Array]):
 
         Args:
             seed: seeds the environment's generator; None continues it.
-            options: {"target": (dof,), "push": {"time": s, "duration": s, "torque": (dof,)}}, each key optional.
+            options: {"target": (dof,), "push": {"time": s, "duration": s, "torque": (dof,)}}, each key optional. The
+                target is within the joints' ranges, and the push ends before the episode does.
 
         Returns:
             Observation (see `fo_gym.Signals`) and info, the privileged truth.
@@ -134,8 +136,7 @@ class JointEnv(gym.Env[Array, Array]):
             ValueError: it is no state, or one of another environment; nothing has changed then.
         """
         simulation, generator = parts_of(state, 2)
-        self.simulation.check_state(simulation)
-        restored("state of the random generator", self.np_random, generator)
+        check_random_state("state of the random generator", generator, deepcopy(self.np_random))
         self.simulation.set_state(simulation)
         self.np_random.bit_generator.state = generator
 

@@ -13,7 +13,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from fo_gym.checks import choice, instance, restored_all, seed_number, shown
+from fo_gym.checks import check_random_states, choice, instance, restored, seed_number, shown
 from fo_gym.envs.actions import checked_action
 from fo_gym.envs.rendering import SceneRenderer
 from fo_gym.envs.settings import Settings
@@ -212,12 +212,11 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
             ValueError: it is no state, or one of another environment; nothing has changed then.
         """
         simulation, generators, ended = parts_of(state, 3)
-        self.simulation.check_state(simulation)
-        again = restored_all("state of the random generators", generators, self.num_envs)
+        check_random_states("state of the random generators", generators, self.num_envs)
         if not (isinstance(ended, np.ndarray) and ended.shape == (self.num_envs,) and ended.dtype == np.bool_):
             raise ValueError(f"state of who has ended is {shown(ended)}; it must be {self.num_envs} bools")
         self.simulation.set_state(simulation)
-        self._generators = again
+        self._generators = restored(generators)
         self._ended = ended.copy()
 
     def __getstate__(self) -> dict[str, Any]:

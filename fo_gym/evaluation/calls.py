@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.checks import real
 from fo_gym.compensators import Compensator, CompensatorError
 from fo_gym.envs.vector import JointVectorEnv
 from fo_gym.evaluation.guard.faults import EndedError, kind_of
@@ -34,7 +35,7 @@ def checked_estimate(
         CompensatorError: it raised, or its answer is not a finite (num_envs, dof) array.
     """
     try:
-        answer = np.asarray(compensator.estimate(signals), dtype=np.float64)
+        answer = real("estimate", compensator.estimate(signals))
     except EndedError as error:
         raise CompensatorError(f"{name}: estimate at tick {tick}: {error}") from error
     except (Exception, SystemExit) as error:

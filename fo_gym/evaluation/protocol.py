@@ -69,7 +69,7 @@ class Protocol:
             if not names or not all(isinstance(name, str) for name in names):
                 raise ValueError(f"protocol {self.name!r}: {what} is {list(names)}; give at least one name")
             if len(set(names)) != len(names):
-                raise ValueError(f"protocol {self.name!r}: {what} {list(names)} names one of them twice")
+                raise ValueError(f"protocol {self.name!r}: {what} {list(names)} names one of them twice; leave one out")
         first(SPLITS[self.split], self.seeds)
 
     def seeds_of(self, variant: str) -> tuple[int, ...]:
@@ -93,7 +93,7 @@ def read_toml(what: str, path: Path) -> dict[str, Any]:
     """The content of a TOML file. Raises ValueError where it cannot be read, naming it as `what`."""
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, OSError) as error:
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError, OSError) as error:
         raise ValueError(f"{what} {path}: {error}; give a text file in TOML") from error
 
 

@@ -129,9 +129,9 @@ def _check_suite(env_id: str) -> None:
         entry = gym.spec(env_id).vector_entry_point
         creator: Any = load_env_creator(entry) if isinstance(entry, str) else entry
     except gym.error.Error as error:
-        raise ValueError(f"unknown environment {env_id!r}: {error}") from error
+        raise ValueError(f"unknown environment {env_id!r}: {error}; `fo-gym list` names those there are") from error
     if not (isinstance(creator, type) and issubclass(creator, JointVectorEnv)):
-        raise ValueError(f"{env_id!r} is not an environment of flexible joints; see `fo-gym list`")
+        raise ValueError(f"{env_id!r} is not an environment of flexible joints; `fo-gym list` names those there are")
 
 
 def record(

@@ -9,16 +9,18 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from fo_gym.checks import choice
 from fo_gym.compensators import BUILT_IN
 from fo_gym.evaluation.backends import Backend
 from fo_gym.evaluation.competitor import Competitor
 from fo_gym.evaluation.entry import check_names, competitor_of
 from fo_gym.evaluation.evaluate import EpisodeSet
 from fo_gym.evaluation.leaderboard import KEY, SET
-from fo_gym.evaluation.protocol import load_protocol, shipped_protocols
+from fo_gym.evaluation.protocol import known_environments, load_protocol, shipped_protocols
 from fo_gym.evaluation.provenance import is_provenance
 from fo_gym.evaluation.run import Contest, OnRun, run_contests
 from fo_gym.files import csv, read_csv
+from fo_gym.tasks.task import VARIANTS
 
 SAME, MISMATCH, OTHER = "same", "mismatch", "of other versions"
 """Verdicts on a row: the same text; another one, under the same versions; another one, under other versions."""
@@ -60,12 +62,22 @@ def published(folder: Path) -> pd.DataFrame:
     file = folder / "episodes.csv"
     if not file.is_file():
         raise ValueError(f"there is no {file}; write one with `fo-gym leaderboard --out {folder}`")
-    table = read_csv(file.read_text(encoding="utf-8"), numbers=False)
+    try:
+        table = read_csv(file.read_text(encoding="utf-8"), numbers=False)
+    except (ValueError, OSError) as error:  # pandas' own errors are ValueErrors
+        raise ValueError(
+            f"{file} cannot be read ({' '.join(str(error).split())}); run `fo-gym leaderboard` again"
+        ) from error
     missing = [column for column in (*_ROW, "protocol", "competitor_hash") if column not in table]
     if missing or not len(table):
         raise ValueError(
             f"{file} has {len(table)} rows and lacks the columns {missing}; run `fo-gym leaderboard` again"
         )
+    for column, allowed in (("env", known_environments()), ("variant", VARIANTS)):
+        for value in table[column].unique():
+            choice(f"{file}: {column}", value, allowed)
+    for value in table["seed"][~table["seed"].str.fullmatch(r"\d{1,38}")]:
+        raise ValueError(f"{file}: seed is {value!r}; it must be a whole number of at least 0")
     return table
 
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from fo_gym.checks import POSITIVE, instance, number, real_array, whole_number
 from fo_gym.hardware.effects import Hardware, ModelError, PushTime, Temperature, TorqueSensor
-from fo_gym.parameters import FlexibleJoint, per_joint
+from fo_gym.parameters import FlexibleJoint, check_joints
 
 Array = NDArray[np.float64]
 
@@ -41,7 +41,7 @@ class HardwareDraw:
     def check(self, name: str, dof: int) -> None:
         """Raise ValueError where it is none of a robot with `dof` joints; `name` is what to call it."""
         instance(f"{name}.believed", self.believed, FlexibleJoint)
-        per_joint(self.believed, dof)
+        check_joints(self.believed, dof)
         number(f"{name}.believed_mass", self.believed_mass, POSITIVE)
         for part in ("torque_offset", "ripple_phase", "temperature"):
             real_array(f"{name}.{part}", getattr(self, part), (dof,))

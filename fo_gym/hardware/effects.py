@@ -23,7 +23,7 @@ from fo_gym.checks import (
     check_values,
     instance,
 )
-from fo_gym.parameters import per_joint
+from fo_gym.parameters import check_joints
 
 Value = float | NDArray[np.float64]
 Range = tuple[float, float]
@@ -293,4 +293,4 @@ class Hardware:
         """Raise ValueError where an effect has values for another number of joints."""
         for part in (self.sensors.encoder, self.sensors.torque, self.link_friction, self.ripple):
             if part is not None:
-                per_joint(part, dof)
+                check_joints(part, dof)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.checks import real_array, restored_all, shown
+from fo_gym.checks import check_random_states, real_array, restored, shown
 from fo_gym.hardware.draw import HardwareDraw
 from fo_gym.hardware.effects import MotorEncoder, SensorModel, TorqueSensor
 
@@ -94,13 +94,10 @@ class Sensing:
             raise ValueError(f"state of the sensors is {shown(state)}; give a mapping with {', '.join(sorted(names))}")
         for name in _ARRAYS:
             real_array(f"state of the sensors, {name}", state[name], self.theta.shape)
-        self._restored(state["generators"])
+        check_random_states("state of the sensors, generators", state["generators"], len(self._generators))
 
     def set_state(self, state: Mapping[str, Any]) -> None:
         """Continue from a copy of `state`, exactly."""
         for name in _ARRAYS:
             setattr(self, name, np.array(state[name], dtype=np.float64))
-        self._generators = self._restored(state["generators"])
-
-    def _restored(self, states: Any) -> list[np.random.Generator]:
-        return restored_all("state of the sensors, generators", states, len(self._generators))
+        self._generators = restored(state["generators"])

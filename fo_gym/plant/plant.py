@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.checks import NOT_NEGATIVE, instance, real, real_array, shown, whole_number
+from fo_gym.checks import NOT_NEGATIVE, POSITIVE, instance, number, real, real_array, shown, whole_number
 from fo_gym.parameters import FlexibleJoint, LuGre, per_joint
 from fo_gym.plant.kernel import PARAMETERS, STATE, advance, predict, spring_torque
 from fo_gym.plant.rigid_body import RigidBody
@@ -60,7 +60,7 @@ class FlexibleJointPlant:
 
     Args:
         robot: the link side.
-        num_envs: size of the batch.
+        num_envs: size of the batch, at most MAX_ENVS.
         joints: motor and spring of every joint.
         friction: LuGre parameters of every joint.
         control_dt: control period [s].
@@ -131,7 +131,7 @@ class FlexibleJointPlant:
         for column, name in enumerate(PARAMETERS):
             self._parameters[ids, :, column] = values[name]
         self._friction[ids] = self._parameters[ids][..., _FRICTION]
-        self.body.scale_mass(np.full(len(ids), mass_scale), ids)
+        self.body.scale_mass(np.full(len(ids), number("mass scale", mass_scale, POSITIVE)), ids)
 
     def vary_friction(self, dry: Array | float, added: Array | float, viscous: Array | float) -> None:
         """Friction from now on: f_c and f_s of `configure` times `dry` plus `added`, its sigma_2 times `viscous`.
@@ -147,9 +147,11 @@ class FlexibleJointPlant:
         """Put the named environments at rest at q (n, dof), in static equilibrium: theta = q + K_j^-1 g(q), z = 0.
 
         Raises:
-            ValueError: the micro-step is too long for the fastest joint there.
+            ValueError: q has another shape or is not finite, or the micro-step is too long for the fastest joint there.
         """
-        q = np.broadcast_to(np.asarray(q, dtype=np.float64), (len(ids), self.robot.dof))
+        q = real("q", q)
+        shape = len(ids), self.robot.dof
+        q = np.broadcast_to(real_array("q", q, shape if q.ndim > 1 else shape[1:]), shape)
         check_steps(
             self.robot.joints,
             mobility=np.diagonal(np.linalg.inv(self.body.dense_inertia(q, ids)), axis1=1, axis2=2),

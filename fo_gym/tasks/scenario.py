@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from fo_gym.checks import NOT_NEGATIVE, POSITIVE, instance, number, real_array, values
 from fo_gym.hardware import HardwareDraw
-from fo_gym.parameters import FlexibleJoint, LuGre, per_joint
+from fo_gym.parameters import FlexibleJoint, LuGre, check_joints
 
 Array = NDArray[np.float64]
 
@@ -72,7 +72,7 @@ class Scenario:
         """Raise ValueError where it is none of a robot with `dof` joints; `name` is what to call it."""
         for part, kind in (("friction", LuGre), ("joints", FlexibleJoint)):
             instance(f"{name}.{part}", getattr(self, part), kind)
-            per_joint(getattr(self, part), dof)
+            check_joints(getattr(self, part), dof)
         number(f"{name}.mass_scale", self.mass_scale, POSITIVE)
         arrays = {"q_start": self.q_start}
         if self.target is not None:

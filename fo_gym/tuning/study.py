@@ -13,15 +13,21 @@ from optuna.storages import JournalStorage
 from optuna.storages.journal import JournalFileBackend
 from optuna.trial import FrozenTrial, TrialState
 
+from fo_gym.checks import choice, whole_number
 from fo_gym.evaluation.competitor import Competitor
 from fo_gym.evaluation.evaluate import EpisodeSet, references_of, rows
+from fo_gym.evaluation.protocol import known_environments
 from fo_gym.evaluation.recording import References
 from fo_gym.evaluation.seeds import TUNING_SEEDS, VALIDATION_SEEDS, first
+from fo_gym.tasks.task import VARIANTS
 from fo_gym.tuning.space import default_gains, search_space
 
 FINALISTS = 3
 WORST = -1.0
 """What an episode counts at least: one that is lost is lost, however badly."""
+
+MAX_SEARCH_SEED = 9999
+"""Every trial has a sampler of its own, whose seed has 32 bits."""
 
 OnTrial = Callable[[str], None]
 
@@ -51,9 +57,11 @@ class Case:
     final_episodes: int = 20
 
     def __post_init__(self) -> None:
-        for name in ("trials", "episodes", "final_episodes"):
-            if getattr(self, name) < 1:
-                raise ValueError(f"{name} is {getattr(self, name)}; it must be at least 1")
+        choice("env", self.env_id, known_environments())
+        choice("variant", self.variant, VARIANTS)
+        bounds = {"trials": (1, 1_000_000), "episodes": (1, len(TUNING_SEEDS)), "seed": (0, MAX_SEARCH_SEED)}
+        for name, (low, high) in {**bounds, "final_episodes": (1, len(VALIDATION_SEEDS))}.items():
+            whole_number(name, getattr(self, name), low, high)
         if self.variant == "nominal":
             raise ValueError("variant 'nominal' is one episode, the one that is scored; tune on one with draws")
 
