@@ -10,7 +10,8 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
-from fo_gym.checks import seed_number, text
+from fo_gym.checks import text
+from fo_gym.generators import seed_number
 
 try:
     from stable_baselines3.common.vec_env import VecEnv

@@ -27,7 +27,7 @@ TREES = {module: ast.parse(path.read_text(encoding="utf-8")) for module, path in
 # know each other.
 FLOW = (
     ("envs_assets", "fo_gym.checks", "fo_gym.text"),
-    ("fo_gym.parameters", "fo_gym.sensors"),
+    ("fo_gym.generators", "fo_gym.parameters", "fo_gym.sensors"),
     ("fo_gym.hardware",),
     ("fo_gym.plant",),
     ("fo_gym.control",),

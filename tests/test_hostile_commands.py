@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from hostile import NO_NUMBERS, Attack, check_refused
-from test_protocol import TOML
 from typer.testing import CliRunner
 
 import fo_gym
@@ -147,7 +146,33 @@ def test_evaluations(folder: Path) -> None:
     assert written(folder) == before
 
 
-KEYS = ("name", "split", "seeds", "environments", "variants", "compensators")
+def check_files(
+    folder: Path, read: Callable[[Path], object], good: Mapping[str, str], tried: Mapping[str, Iterable[str]]
+) -> None:
+    """Fail, naming them all, where a TOML file with a key spoilt is read, or refused without naming the key."""
+    file, offenders = folder.parent / "tried.toml", []
+    for key, values in tried.items():
+        for value in values:
+            file.write_text("\n".join(f"{k} = {v}" for k, v in {**good, key: value}.items()), encoding="utf-8")
+            try:
+                read(file)
+            except ValueError as error:
+                if key.removesuffix("s") not in str(error):
+                    offenders.append(f"{key} = {value}: {error}")
+            else:
+                offenders.append(f"{key} = {value}: accepted")
+    assert not offenders, "\n".join(offenders)
+
+
+PROTOCOL = {
+    "name": '"small"',
+    "split": '"validation"',
+    "seeds": "2",
+    "environments": '["FJRSquare-v0"]',
+    "variants": '["nominal"]',
+    "compensators": '["pid-low"]',
+}
+KEYS = tuple(PROTOCOL)
 
 
 def test_protocols(folder: Path) -> None:
@@ -172,7 +197,6 @@ def test_protocols(folder: Path) -> None:
     with pytest.raises(ValueError, match=r"1001|seeds"):
         Protocol(**{**good, "seeds": 10**30})
     before = written(folder)
-    lines = dict(zip(KEYS, TOML.strip().splitlines(), strict=True))
     values = (
         "true",
         "1.5",
@@ -187,19 +211,7 @@ def test_protocols(folder: Path) -> None:
         "99999999999999999999",
         "[true]",
     )
-    offenders = []
-    file = folder.parent / "tried.toml"
-    for key in KEYS:
-        for value in values:
-            file.write_text("\n".join({**lines, key: f"{key} = {value}"}.values()), encoding="utf-8")
-            try:
-                load_protocol(file)
-            except ValueError as error:
-                if key.removesuffix("s") not in str(error):
-                    offenders.append(f"{key} = {value}: {error}")
-            else:
-                offenders.append(f"{key} = {value}: accepted")
-    assert not offenders, "\n".join(offenders)
+    check_files(folder, load_protocol, PROTOCOL, dict.fromkeys(KEYS, values))
     for name in ("binary.toml", "folder.toml", "empty.toml", "nothing.toml", ""):
         with pytest.raises(ValueError, match=re.escape(f"protocol {name}:") + "|there is no protocol"):
             load_protocol(name)
@@ -221,18 +233,7 @@ def test_entries(folder: Path) -> None:
         "sets": ("1", "true", '"L"', "{}", "[1]", "[[]]", "[{}]", '[{env = "a", variant = "nominal", gains = {}}]'),
         "colour": ("1",),
     }
-    file, offenders = folder.parent / "tried.toml", []
-    for key, values in tried.items():
-        for value in values:
-            file.write_text("\n".join(f"{k} = {v}" for k, v in {**ENTRY, key: value}.items()), encoding="utf-8")
-            try:
-                load_entry(file)
-            except ValueError as error:
-                if key.removesuffix("s") not in str(error):
-                    offenders.append(f"{key} = {value}: {error}")
-            else:
-                offenders.append(f"{key} = {value}: accepted")
-    assert not offenders, "\n".join(offenders)
+    check_files(folder, load_entry, ENTRY, tried)
 
 
 COMMANDS = """\

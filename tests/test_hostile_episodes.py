@@ -11,7 +11,7 @@ import pytest
 from hostile import NO_ARRAYS, NO_NUMBERS, Attack, check_refused
 
 import fo_gym
-from fo_gym.checks import MAX_SEED
+from fo_gym.generators import MAX_SEED
 from fo_gym.sb3 import make_vec_env
 
 STICTION, REGULATION, SQUARE = fo_gym.ENVIRONMENTS

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from fo_gym.checks import choice, only, seed_number, shown, text, whole_number
+from fo_gym.checks import choice, only, shown, text, whole_number
 from fo_gym.compensators import Compensator, Ideal, NoCompensation, checked
 from fo_gym.envs.settings import Settings
 from fo_gym.evaluation.entry import competitor_of
@@ -18,6 +18,7 @@ from fo_gym.evaluation.metrics import METRICS, score
 from fo_gym.evaluation.provenance import provenance
 from fo_gym.evaluation.recording import Recording, References, record
 from fo_gym.evaluation.seeds import VALIDATION_SEEDS, first
+from fo_gym.generators import seed_number
 from fo_gym.tasks.task import VARIANTS
 
 OK, TERMINATED, FAILED = "ok", "terminated", "failed"

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.checks import check_random_states, real_array, restored, shown
+from fo_gym.checks import real_array, shown
+from fo_gym.generators import check_random_states, restored
 from fo_gym.hardware.draw import HardwareDraw
 from fo_gym.hardware.effects import MotorEncoder, SensorModel, TorqueSensor
 
