@@ -142,6 +142,7 @@ def test_evaluations(folder: Path) -> None:
         ("duration", 1e300, lambda value: scored(duration=value)),
         ("decimation", True, lambda value: scored(decimation=value)),
     ]
+    cases += [("feedback", "nominal", lambda _: scored(sensors="motor"))]
     check_refused(cases)
     assert written(folder) == before
 

@@ -138,7 +138,7 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
             ValueError: a seed is not allowed, `options` are not those of `JointEnv.reset`, or the mask has another
                 shape or dtype; nothing has changed then.
         """
-        instance("options", options, Mapping, none="none")
+        instance("options", options, Mapping, none="no changes")
         rest = {key: value for key, value in (options or {}).items() if key != "reset_mask"}
         chosen = self.simulation.limits.read(rest)
         mask = self._checked_mask((options or {}).get("reset_mask", self._everyone))

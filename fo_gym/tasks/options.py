@@ -64,7 +64,7 @@ class Limits:
             ValueError: an unknown key, a wrong shape, a target outside the joints' range or for a task that follows a
                 path, or a push that does not end before the episode does.
         """
-        instance("options", options, Mapping, none="none")
+        instance("options", options, Mapping, none="no changes")
         options = options or {}
         unknown = [key for key in options if key not in ("target", "push")]
         if unknown:
