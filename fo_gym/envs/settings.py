@@ -9,6 +9,7 @@ from typing import Any
 from fo_gym.checks import POSITIVE, choice, instance, number, only, shown, whole_number
 from fo_gym.hardware import Hardware, SensorModel
 from fo_gym.parameters import FlexibleJoint, ImpedanceGains, LuGre, PDGains
+from fo_gym.plant.steps import PhysicsDt
 from fo_gym.sensors import TIERS
 from fo_gym.tasks.task import VARIANTS, Randomization, Task
 
@@ -31,7 +32,8 @@ class Settings:
         action_mode: "compensation" (action = tau_f_hat; tau_m = tau_c - tau_f_hat) or "torque" (action = tau_m).
         feedback: "measured" or "nominal", which motor signal the task's controller gets.
         control_dt: control period [s].
-        physics_dt: micro-step [s]; None means min(2e-4, control_dt); it must divide control_dt.
+        physics_dt: micro-step [s]; None means min(2e-4, control_dt); it must divide control_dt; "auto" takes the
+            longest that follows every joint that the variant may draw. What a step cannot follow is refused.
         decimation: control ticks per environment step, at least 1, at most those of the episode.
         duration: length of an episode [s], rounded to whole steps, at least one; at most MAX_TICKS control periods.
         joints: motors and springs.
@@ -48,7 +50,7 @@ class Settings:
     action_mode: str = "compensation"
     feedback: str = "measured"
     control_dt: float = 1e-3
-    physics_dt: float | None = None
+    physics_dt: PhysicsDt = None
     decimation: int = 1
     duration: float | None = None
     joints: FlexibleJoint | None = None
@@ -75,7 +77,7 @@ class Settings:
             ("hardware", Hardware),
         ):
             instance(name, getattr(self, name), kind, none="the task's own")
-        for name in ("control_dt", "physics_dt", "duration"):
+        for name in ("control_dt", "duration"):
             value = getattr(self, name)
             if value is not None or name == "control_dt":
                 number(name, value, POSITIVE, "s")

@@ -15,6 +15,7 @@ from fo_gym.envs.pushes import Pushes
 from fo_gym.envs.robots import Robots
 from fo_gym.envs.settings import Settings
 from fo_gym.envs.state import Origin, SimulationState
+from fo_gym.envs.steps import followed_dt
 from fo_gym.parameters import JointInfo, per_joint
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.sensors import SIGNALS, TIERS
@@ -65,7 +66,7 @@ class Simulation:
             joints=self.joints,
             friction=self.friction,
             control_dt=settings.control_dt,
-            physics_dt=settings.physics_dt,
+            physics_dt=followed_dt(self.task, settings, self.joints, self.friction),
         )
         self.num_envs = num_envs = self.plant.num_envs
         self.control = make_control(task, self.plant, task.gains if settings.gains is None else settings.gains)

@@ -14,7 +14,7 @@ from fo_gym.parameters import FlexibleJoint, LuGre, per_joint
 from fo_gym.plant.kernel import PARAMETERS, STATE, advance, predict, spring_torque
 from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.plant.robot import Robot
-from fo_gym.plant.steps import check_steps, micro_steps
+from fo_gym.plant.steps import PhysicsDt, StepAdvice, advise_steps, auto_steps, check_steps, micro_steps
 from fo_gym.plant.twin import twin_model
 
 Array = NDArray[np.float64]
@@ -64,10 +64,11 @@ class FlexibleJointPlant:
         joints: motor and spring of every joint.
         friction: LuGre parameters of every joint.
         control_dt: control period [s].
-        physics_dt: micro-step [s]; None means min(2e-4, control_dt); it must divide control_dt.
+        physics_dt: micro-step [s]; None means min(2e-4, control_dt); it must divide control_dt; "auto" takes the
+            longest that follows `joints` and `friction` in the pose of the file, see `fo_gym.plant.steps`.
 
     Raises:
-        ValueError: a parameter is out of range, or the micro-step is too long for the fastest joint.
+        ValueError: a parameter is out of range, or the micro-step is too long for a joint, or too short.
     """
 
     def __init__(
@@ -78,7 +79,7 @@ class FlexibleJointPlant:
         joints: FlexibleJoint,
         friction: LuGre,
         control_dt: float = 1e-3,
-        physics_dt: float | None = None,
+        physics_dt: PhysicsDt = None,
     ) -> None:
         instance("robot", robot, Robot)
         instance("joints", joints, FlexibleJoint)
@@ -86,8 +87,6 @@ class FlexibleJointPlant:
         self.robot = robot
         self.num_envs = whole_number("num_envs", num_envs, 1, MAX_ENVS)
         self.control_dt = control_dt
-        self.steps = micro_steps(control_dt, physics_dt)
-        self.physics_dt = control_dt / self.steps
         self.body = RigidBody(robot, num_envs)
         shape = (num_envs, robot.dof)
         self._parameters = np.empty((*shape, len(PARAMETERS)))
@@ -101,6 +100,11 @@ class FlexibleJointPlant:
         home = np.broadcast_to(self.body.model.qpos0, shape)
         everyone = np.arange(num_envs)
         self.configure(everyone, joints=joints, friction=friction)
+        if isinstance(physics_dt, str) and physics_dt == "auto":
+            self.steps = auto_steps(self.advise(everyone, home), control_dt)
+        else:
+            self.steps = micro_steps(control_dt, physics_dt)
+        self.physics_dt = control_dt / self.steps
         self.reset(everyone, home)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -143,22 +147,23 @@ class FlexibleJointPlant:
         sigma_2, f_c, f_s = np.moveaxis(self._friction, -1, 0)
         self._parameters[..., _FRICTION] = np.stack([viscous * sigma_2, dry * f_c + added, dry * f_s + added], axis=-1)
 
+    def advise(self, ids: NDArray[np.intp], q: Array) -> StepAdvice:
+        """The largest micro-step that follows each joint in all of the named environments at q (n, dof), and why."""
+        return advise_steps(self.robot.joints, self._parameters[ids], self.body.mobility(q, ids))
+
     def reset(self, ids: NDArray[np.intp], q: Array) -> None:
         """Put the named environments at rest at q (n, dof), in static equilibrium: theta = q + K_j^-1 g(q), z = 0.
 
         Raises:
-            ValueError: q has another shape or is not finite, or the micro-step is too long for the fastest joint there.
+            ValueError: q has another shape or is not finite, or the micro-step is too long for a joint there.
         """
         q = real("q", q)
         shape = len(ids), self.robot.dof
         q = np.broadcast_to(real_array("q", q, shape if q.ndim > 1 else shape[1:]), shape)
+        mobility = self.body.mobility(q, ids)
         check_steps(
-            self.robot.joints,
-            mobility=np.diagonal(np.linalg.inv(self.body.dense_inertia(q, ids)), axis1=1, axis2=2),
-            motor_inertia=self.motor_inertia[ids],
-            stiffness=self.stiffness[ids],
-            damping=self.damping[ids],
-            file_damping=self.body.model.dof_damping,
+            advise_steps(self.robot.joints, self._parameters[ids], mobility),
+            self.body.model.dof_damping * mobility,
             physics_dt=self.physics_dt,
             control_dt=self.control_dt,
         )

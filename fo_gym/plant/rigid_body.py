@@ -129,6 +129,10 @@ class RigidBody:
             dense[:, row, column] = dense[:, column, row] = sparse[:, start : start + count]
         return dense
 
+    def mobility(self, q: Array, ids: Ids = None) -> Array:
+        """(M^-1)_jj, how far a torque moves its own link, (n, dof)."""
+        return np.diagonal(np.linalg.inv(self.dense_inertia(q, ids)), axis1=1, axis2=2)
+
     def gravity(self, q: Array, ids: Ids = None) -> Array:
         """Torque g(q), (n, dof), N or N m, that holds the links still: gravity, less the file's own joint springs."""
         rows = self._forward(q, 0.0, ids)

@@ -191,7 +191,8 @@ def _period(
 ) -> Array:
     x = state.ravel()
     if method == "LSODA":  # `odeint` is the same code as solve_ivp's LSODA, with a loop that is not in Python
-        end = odeint(plant.rates, x, [0.0, dt], args=held, rtol=rtol, atol=atol, tfirst=True, tcrit=[dt])[-1]
+        options: dict[str, Any] = {"rtol": rtol, "atol": atol, "tcrit": [dt], "mxstep": 100_000}
+        end = odeint(plant.rates, x, [0.0, dt], args=held, tfirst=True, **options)[-1]
     else:
         solution = solve_ivp(plant.rates, (0.0, dt), x, method=method, args=held, rtol=rtol, atol=atol)
         assert solution.success, solution.message

@@ -54,6 +54,13 @@ class Randomization:
     push_time: Range = (0.0, 0.0)
     push: Range = (0.5, 1.5)
 
+    @property
+    def fastest(self) -> Randomization:
+        """Ranges without width, from which only the fastest joints and bristles are drawn, at the nominal start."""
+        ends = {name: (getattr(self, name)[1],) * 2 for name in ("stiction", "bristle", "viscous", "stiffness")}
+        ends |= {name: (getattr(self, name)[0],) * 2 for name in ("motor_inertia", "mass")}
+        return replace(self, start=0.0, **ends)
+
     def __post_init__(self) -> None:
         check_numbers(self, start=NOT_NEGATIVE)
         check_ranges(self, step=NOT_NEGATIVE, push=NOT_NEGATIVE, push_time=NOT_NEGATIVE)
