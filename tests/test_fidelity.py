@@ -92,9 +92,9 @@ def test_an_id_is_given_once() -> None:
         "sensitivity-f-s",
     ],
 )
-def test_a_coarse_step_is_seen(broken: pytest.MonkeyPatch, id: str) -> None:
+def test_a_coarse_step_is_seen(monkeypatch: pytest.MonkeyPatch, id: str) -> None:
     """A step that the plant itself refuses, taken all the same."""
-    broken.setattr(plant_module, "check_steps", lambda *_, **__: None)
+    monkeypatch.setattr(plant_module, "check_steps", lambda *_, **__: None)
     assert not CHECKS[id].measure(COARSE).holds
 
 
