@@ -51,8 +51,7 @@ def test_non_divisor_is_refused_with_a_value_that_works(control_dt: float, physi
 
 @pytest.mark.parametrize("bad", [True, np.True_, 1j, "fast", "2e-4", [1e-4], np.array(1e-4), {}])
 def test_a_micro_step_is_a_number_of_seconds(pendulum: MakeRobot, bad: Any) -> None:
-    message = r'physics_dt is .*; give a number of seconds, "auto", or None for min\(2e-4, control_dt\)'
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(ValueError, match=r"physics_dt is .*; give a number (of seconds, \"auto\", or None|in s)"):
         plant_of(pendulum(), physics_dt=bad)
 
 

@@ -25,6 +25,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.checks import POSITIVE, number
+
 Array = NDArray[np.float64]
 PhysicsDt = float | Literal["auto"] | None
 
@@ -67,18 +69,16 @@ def micro_steps(control_dt: float, physics_dt: PhysicsDt) -> int:
         ValueError: a period is not positive, physics_dt is no number or does not divide control_dt (judged to 1e-9),
             or makes more than MAX_MICRO_STEPS.
     """
-    if not (np.isfinite(control_dt) and control_dt > 0):
-        raise ValueError(f"control_dt is {control_dt} s; it must be finite and above 0")
+    number("control_dt", control_dt, POSITIVE, "s")
     if physics_dt is None:
         _refuse_many(control_dt / DEFAULT_PHYSICS_DT, f"control_dt {control_dt} s at the default micro-step of 2e-4 s")
         # The default adapts where 2e-4 does not divide: the largest step below it that does.
         return max(1, int(np.ceil(control_dt / DEFAULT_PHYSICS_DT - 1e-9)))
-    if isinstance(physics_dt, bool) or not isinstance(physics_dt, int | float | np.integer | np.floating):
+    if isinstance(physics_dt, str):
         raise ValueError(
             f'physics_dt is {physics_dt!r}; give a number of seconds, "auto", or None for min(2e-4, control_dt)'
         )
-    if not (np.isfinite(physics_dt) and physics_dt > 0):
-        raise ValueError(f"physics_dt is {physics_dt} s; it must be finite and above 0")
+    physics_dt = number("physics_dt", physics_dt, POSITIVE, "s")
     _refuse_many(control_dt / physics_dt, f"physics_dt {physics_dt} s in control_dt {control_dt} s")
     steps = round(control_dt / physics_dt)
     if steps < 1 or abs(steps * physics_dt - control_dt) > 1e-9:
