@@ -9,7 +9,7 @@ from typing import Any
 from fo_gym.checks import POSITIVE, choice, instance, number, only, shown, whole_number
 from fo_gym.hardware import Hardware, SensorModel
 from fo_gym.parameters import FlexibleJoint, ImpedanceGains, LuGre, PDGains
-from fo_gym.plant.steps import PhysicsDt
+from fo_gym.plant.steps import PhysicsDt, is_auto, micro_steps
 from fo_gym.sensors import TIERS
 from fo_gym.tasks.task import VARIANTS, Randomization, Task
 
@@ -81,6 +81,8 @@ class Settings:
             value = getattr(self, name)
             if value is not None or name == "control_dt":
                 number(name, value, POSITIVE, "s")
+        if not is_auto(self.physics_dt):
+            micro_steps(self.control_dt, self.physics_dt)
         whole_number("decimation", self.decimation, 1)
         if self.sensors == "motor" and self.feedback == "nominal":
             raise ValueError("feedback 'nominal' needs the torque sensor that sensors='motor' lacks; use 'measured'")

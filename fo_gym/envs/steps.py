@@ -9,13 +9,13 @@ import numpy as np
 from fo_gym.envs.settings import Settings
 from fo_gym.parameters import FlexibleJoint, LuGre
 from fo_gym.plant import FlexibleJointPlant
-from fo_gym.plant.steps import auto_steps
+from fo_gym.plant.steps import PhysicsDt, auto_steps, is_auto
 from fo_gym.tasks.task import Task, draw_scenario
 
 __all__ = ["followed_dt"]
 
 
-def followed_dt(task: Task, settings: Settings, joints: FlexibleJoint, friction: LuGre) -> float | None:
+def followed_dt(task: Task, settings: Settings, joints: FlexibleJoint, friction: LuGre) -> PhysicsDt:
     """The micro-step that `settings` ask for [s]; None for the default.
 
     "auto" looks at the fastest joints within the variant's ranges, not at the draws of a batch: an environment takes
@@ -24,7 +24,7 @@ def followed_dt(task: Task, settings: Settings, joints: FlexibleJoint, friction:
     Raises:
         ValueError: "auto" would take too many micro-steps.
     """
-    if not (isinstance(settings.physics_dt, str) and settings.physics_dt == "auto"):
+    if not is_auto(settings.physics_dt):
         return settings.physics_dt
     ranges = replace(task, randomization=task.randomization.fastest)
     fastest = draw_scenario(ranges, settings.variant, joints, friction, np.random.default_rng(0))

@@ -14,7 +14,7 @@ from fo_gym.parameters import FlexibleJoint, LuGre, per_joint
 from fo_gym.plant.kernel import PARAMETERS, STATE, advance, predict, spring_torque
 from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.plant.robot import Robot
-from fo_gym.plant.steps import PhysicsDt, StepAdvice, advise_steps, auto_steps, check_steps, micro_steps
+from fo_gym.plant.steps import PhysicsDt, StepAdvice, advise_steps, auto_steps, check_steps, is_auto, micro_steps
 from fo_gym.plant.twin import twin_model
 
 Array = NDArray[np.float64]
@@ -100,7 +100,7 @@ class FlexibleJointPlant:
         home = np.broadcast_to(self.body.model.qpos0, shape)
         everyone = np.arange(num_envs)
         self.configure(everyone, joints=joints, friction=friction)
-        if isinstance(physics_dt, str) and physics_dt == "auto":
+        if is_auto(physics_dt):
             self.steps = auto_steps(self.advise(everyone, home), control_dt)
         else:
             self.steps = micro_steps(control_dt, physics_dt)

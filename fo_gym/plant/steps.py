@@ -55,7 +55,12 @@ LIMITS: dict[str, tuple[str, float, str]] = {
     "stribeck": ("its Stribeck effect, sqrt(sigma_0 / B (f_s - f_c) / f_c)", 0.25, "f_s nearer to f_c"),
 }
 
-__all__ = ["PhysicsDt", "StepAdvice", "advise_steps", "auto_steps", "check_steps", "micro_steps"]
+__all__ = ["PhysicsDt", "StepAdvice", "advise_steps", "auto_steps", "check_steps", "is_auto", "micro_steps"]
+
+
+def is_auto(physics_dt: object) -> bool:
+    """Whether the plant is to choose its micro-step by itself."""
+    return isinstance(physics_dt, str) and physics_dt == "auto"
 
 
 def micro_steps(control_dt: float, physics_dt: PhysicsDt) -> int:
