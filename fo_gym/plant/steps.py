@@ -1,9 +1,9 @@
 """Which steps the plant can take: micro-steps that divide the control period, and no step too long for a joint.
 
-What a micro-step h must follow was measured: some 5,000 random single links, parameters log-uniform over up to nine
+What a micro-step h must follow was measured: some 6,500 random single links, parameters log-uniform over up to nine
 decades (sigma_0, sigma_1, f_c, f_s / f_c, v_s, B, K_j, D_j, masses), under steps, ramps, sweeps and pushes of 30 to 500
 ms, the kernel against LSODA. The error falls with the square of h, and these numbers predict it; it reaches 1e-3 of the
-motion in a twentieth of the cases where they are
+motion in a tenth of the cases where they are about
 
     h sqrt(sigma_0 / B)                         0.2     the bristle's mode
     h sqrt(sigma_0 / B)                         0.08    the same where sigma_1 is nearly 0: it rings, and out of phase
