@@ -143,7 +143,7 @@ class TestJoint:
             np.testing.assert_allclose(plant._parameters[0, :, 5], own.sigma_2 * np.exp(-0.02 * 15.0), rtol=1e-12)
 
     def test_link_friction_is_the_solvers(self):
-        """The frictionless motor with a rough link, 0.4 s: control and drag are held over a period, measured 1.8e-3."""
+        """The frictionless motor with a rough link, 0.4 s: control and damper are held over a period."""
         rough = hw.LinkFriction(coulomb=0.1, viscous=0.4, width=0.01)
         env = make(STICTION, friction=fo_gym.FRICTIONLESS, hardware=Hardware(link_friction=rough), duration=0.4)
         env.reset(seed=0, options={"target": [0.05]})

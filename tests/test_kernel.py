@@ -90,6 +90,7 @@ def random_batch(num_envs: int, dof: int) -> dict[str, np.ndarray]:
         "state": scale * generator.normal(size=(len(STATE), num_envs, dof)),
         "tau_m": generator.normal(size=(num_envs, dof)),
         "load": generator.normal(size=(num_envs, dof)),
+        "damping": generator.uniform(0.0, 2.0, size=(num_envs, dof)),
         "inertia": inertia[:, *np.tril_indices(dof)],
         "parameters": spread * [NOMINAL[name] for name in PARAMETERS],
     }
@@ -98,8 +99,8 @@ def random_batch(num_envs: int, dof: int) -> dict[str, np.ndarray]:
 def advance_batch(batch: dict[str, np.ndarray], h: float = H) -> tuple[np.ndarray, np.ndarray]:
     """State and mean friction after 10 ms."""
     state, tau_f = batch["state"].copy(), np.zeros_like(batch["tau_m"])
-    layout, steps = full_triangle(tau_f.shape[1]), round(1e-2 / h)
-    advance(state, batch["tau_m"], batch["load"], batch["inertia"], *layout, batch["parameters"], h, steps, tau_f)
+    links = batch["load"], batch["damping"], batch["inertia"], *full_triangle(tau_f.shape[1])
+    advance(state, batch["tau_m"], *links, batch["parameters"], h, round(1e-2 / h), tau_f)
     return state, tau_f
 
 
@@ -125,7 +126,7 @@ def test_order_of_the_batch_does_not_matter() -> None:
     np.testing.assert_array_equal(friction, tau_f[order])
 
 
-@pytest.mark.parametrize("broken", ["state", "tau_m", "load", "inertia", "parameters"])
+@pytest.mark.parametrize("broken", ["state", "tau_m", "load", "damping", "inertia", "parameters"])
 def test_lost_neighbours_do_not_matter(broken: str) -> None:
     """NaN anywhere in environments 0 and 4 stays there."""
     batch = random_batch(num_envs=5, dof=3)
@@ -140,7 +141,7 @@ def test_lost_neighbours_do_not_matter(broken: str) -> None:
 
 
 def test_coupled_links_follow_the_exact_solution() -> None:
-    """Three frictionless joints on links that share a full inertia matrix: linear, so again exact."""
+    """Three frictionless joints on links that share a full inertia matrix, with dampers to the world: linear, exact."""
     batch = random_batch(num_envs=4, dof=3)
     batch["parameters"][..., 3:8] = 0.0
     state, tau_f = advance_batch(batch, h=2e-5)
@@ -150,11 +151,11 @@ def test_coupled_links_follow_the_exact_solution() -> None:
         inertia = np.zeros((3, 3))
         inertia[np.tril_indices(3)] = batch["inertia"][i]
         inverse = np.linalg.inv(inertia + np.tril(inertia, -1).T)
-        K, D, B = np.diag(stiffness), np.diag(damping), np.diag(1.0 / motor)
+        K, D, B, W = np.diag(stiffness), np.diag(damping), np.diag(1.0 / motor), np.diag(batch["damping"][i])
         A = np.block(
             [
                 [zero, one, zero, zero],
-                [-inverse @ K, -inverse @ D, inverse @ K, inverse @ D],
+                [-inverse @ K, -inverse @ (D + W), inverse @ K, inverse @ D],
                 [zero, zero, zero, one],
                 [B @ K, B @ D, -B @ K, -B @ D],
             ]
@@ -166,6 +167,19 @@ def test_coupled_links_follow_the_exact_solution() -> None:
         # Second order: (h omega)^2 / 12 of speeds of 0.3 over a few radians, omega = 200 rad/s.
         assert np.abs(state[:4, i].ravel() - exact[:12]).max() < 2e-6
     np.testing.assert_array_equal(tau_f, 0.0)
+
+
+def test_a_damper_of_any_strength_only_takes() -> None:
+    """A free link that it brings to rest within a micro-step is not thrown back any faster than it came."""
+    batch = random_batch(num_envs=4, dof=1)
+    batch["damping"] *= 1e6
+    batch["parameters"][..., :2] = 0.0  # no springs
+    batch["load"][:] = 0.0
+    speed = np.abs(batch["state"][1])
+    for _ in range(5):
+        state, _ = advance_batch(batch)
+        assert np.all(np.abs(state[1]) < speed)
+        batch["state"], speed = state, np.abs(state[1])
 
 
 def test_lost_inertia_loses_the_environment() -> None:

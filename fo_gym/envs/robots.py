@@ -93,8 +93,8 @@ class Robots:
         plant, joint = self.plant, self._joint
         if joint is not None:
             plant.vary_friction(*joint.friction(ticks, plant.tau_j))
+            plant.link_damping[:] = joint.link_damping(plant.q_dot)
             tau_m = tau_m + joint.motor_torque(plant.theta)
-            tau_ext = tau_ext + joint.link_torque(plant.q_dot)
         plant.step(tau_m, tau_ext)
 
     def get_state(self) -> RobotState | None:

@@ -59,12 +59,18 @@ class Imperfections:
             return 0.0
         return ripple.amplitude * np.sin((2.0 * np.pi / np.asarray(ripple.period)) * theta + self._phase)
 
-    def link_torque(self, q_dot: Array) -> Array | float:
-        """Friction of the link's bearings at q_dot, (num_envs, dof); it opposes the motion."""
+    def link_damping(self, q_dot: Array) -> Array | float:
+        """Friction of the links' bearings at q_dot over q_dot itself, (num_envs, dof): the damper that it is there.
+
+        A damper, which the plant's step takes implicitly, only takes energy. A torque held for a control period feeds
+        a light link instead, whose velocity changes its sign within one.
+        """
         friction = self.hardware.link_friction
         if friction is None:
             return 0.0
-        return -(friction.coulomb * np.tanh(q_dot / friction.width) + friction.viscous * q_dot)
+        speed = q_dot / friction.width
+        share = np.divide(np.tanh(speed), speed, out=np.ones_like(speed), where=speed != 0.0)
+        return friction.coulomb / friction.width * share + friction.viscous
 
     def friction(self, ticks: NDArray[np.int64], tau_j: Array) -> tuple[Array | float, Array | float, Array | float]:
         """How load and temperature change the friction at these ticks.

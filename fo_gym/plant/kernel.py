@@ -106,7 +106,7 @@ def _solve(lower, x):
 
 
 @njit(cache=True, error_model="numpy")
-def _kick(q, w, theta, v, z, load, tau_m, p, lower, h, damped, a, v_mid, w_mid, tau_f_sum):
+def _kick(q, w, theta, v, z, load, damping, tau_m, p, lower, h, damped, a, v_mid, w_mid, tau_f_sum):
     """Velocities and bristles of one environment over h at held positions; adds tau_f to `tau_f_sum`."""
     dof = q.shape[0]
     for j in range(dof):
@@ -120,7 +120,8 @@ def _kick(q, w, theta, v, z, load, tau_m, p, lower, h, damped, a, v_mid, w_mid, 
         # The links feel the motors' velocities only through the springs' damping.
         if damped or sweep == _PASSES - 1:
             for j in range(dof):
-                w_mid[j] = 0.5 * h * (p[j, 0] * (theta[j] - q[j]) + p[j, 1] * (v_mid[j] - w[j]) + load[j])
+                spring = p[j, 0] * (theta[j] - q[j]) + p[j, 1] * (v_mid[j] - w[j])
+                w_mid[j] = 0.5 * h * (spring - damping[j] * w[j] + load[j])
             _solve(lower, w_mid)
             for j in range(dof):
                 w_mid[j] += w[j]
@@ -157,13 +158,14 @@ def spring_torque(state, parameters, tau_j):
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def advance(state, tau_m, load, inertia, row_nonzeros, row_start, columns, parameters, h, steps, tau_f):
+def advance(state, tau_m, load, damping, inertia, row_nonzeros, row_start, columns, parameters, h, steps, tau_f):
     """Advance every environment by `steps` micro-steps of h seconds, in place.
 
     Args:
         state: (5, num_envs, dof), rows as in STATE.
         tau_m: motor torque, held, (num_envs, dof).
         load: tau_ext - bias on the links, held, (num_envs, dof).
+        damping: of dampers between the links and the world, held, (num_envs, dof).
         inertia: M of each environment as MuJoCo's sparse lower triangle, held, (num_envs, nonzeros).
         row_nonzeros, row_start, columns: that triangle's layout.
         parameters: (num_envs, dof, 9), columns as in PARAMETERS.
@@ -182,7 +184,7 @@ def advance(state, tau_m, load, inertia, row_nonzeros, row_start, columns, param
         p = parameters[i]
         damped = False
         for j in range(dof):
-            added[j] = 0.5 * h * p[j, 1]
+            added[j] = 0.5 * h * (p[j, 1] + damping[i, j])
             damped = damped or p[j, 1] > 0.0
             tau_f[i, j] = 0.0
         if not _factorise(inertia[i], row_nonzeros, row_start, columns, added, lower):
@@ -196,7 +198,7 @@ def advance(state, tau_m, load, inertia, row_nonzeros, row_start, columns, param
             for j in range(dof):
                 q[j] += drift * w[j]
                 theta[j] += drift * v[j]
-            _kick(q, w, theta, v, z, load[i], tau_m[i], p, lower, h, damped, a, v_mid, w_mid, tau_f[i])
+            _kick(q, w, theta, v, z, load[i], damping[i], tau_m[i], p, lower, h, damped, a, v_mid, w_mid, tau_f[i])
         for j in range(dof):
             q[j] += 0.5 * h * w[j]
             theta[j] += 0.5 * h * v[j]

@@ -97,6 +97,8 @@ class FlexibleJointPlant:
         self.q, self.q_dot, self.theta, self.theta_dot, self.z = self._state
         self.tau_f = np.zeros(shape)
         """Mean friction torque over the past control period, (num_envs, dof), N or N m."""
+        self.link_damping = np.zeros(shape)
+        """Of dampers between the links and the world from now on, (num_envs, dof), N s/m or N m s/rad, to be set."""
         home = np.broadcast_to(self.body.model.qpos0, shape)
         everyone = np.arange(num_envs)
         self.configure(everyone, joints=joints, friction=friction)
@@ -198,8 +200,8 @@ class FlexibleJointPlant:
                 raise ValueError(f"{name} has shape {torque.shape}; this plant needs {self.q.shape}")
         predict(self._state, self._q_dot_before, self.control_dt, *self.body.inputs)
         inertia, bias = self.body.forward()
-        layout, load = self.body.layout, tau_ext - bias
-        advance(self._state, tau_m, load, inertia, *layout, self._parameters, self.physics_dt, self.steps, self.tau_f)
+        links = tau_ext - bias, self.link_damping, inertia, *self.body.layout
+        advance(self._state, tau_m, *links, self._parameters, self.physics_dt, self.steps, self.tau_f)
         self._ticks += 1
 
     @property

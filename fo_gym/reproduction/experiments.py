@@ -73,8 +73,8 @@ class Joint:
 
     def advance(self, tau_m: float = 0.0, steps: int = 1, h: float = DEFAULT_PHYSICS_DT, tau_ext: float = 0.0) -> float:
         """Take `steps` micro-steps of h seconds under held forces [N]; returns the mean tau_f over them [N]."""
-        drive, load = np.array([[tau_m]]), np.array([[tau_ext]])
-        advance(self.state, drive, load, self.inertia, *self._layout, self.parameters, h, steps, self._tau_f)
+        drive, link = np.array([[tau_m]]), (np.array([[tau_ext]]), np.zeros((1, 1)), self.inertia, *self._layout)
+        advance(self.state, drive, *link, self.parameters, h, steps, self._tau_f)
         return float(self._tau_f.item())
 
 
