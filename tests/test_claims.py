@@ -1,6 +1,8 @@
-"""The claims of the paper: known verdicts, and verdicts that turn when something is broken on purpose.
+"""The claims of the paper: verdicts that turn when something is broken on purpose.
 
-Control at 1 kHz, which changes no verdict but those of the low-passes; the published table runs at 10 kHz.
+That nothing turns while nothing is broken is what `make reproduce-quick` measures, at the published 10 kHz, and it
+fails where a verdict is not the known one. Control is at 1 kHz here, which changes no verdict but those of the
+low-passes; most of the claims have a rate of their own.
 """
 
 from __future__ import annotations
@@ -14,8 +16,8 @@ from fo_gym.reproduction.statement import Finding, at_least, at_most, near
 from fo_gym.reproduction.subject import Subject
 
 COARSE = Subject(control_dt=1e-3, quick=True)
-MODULES = ("algebra", "experiments", "panels", "rest", "stiction", "theorem2")
-IDS = [name for name, claim in CLAIMS.items() if claim.group.rpartition(".")[2] in MODULES]
+PANELS = ["panel-pid-high", "panel-pd-low", "panel-pd-high", "pd-rest-size"]
+slow = pytest.mark.slow
 
 
 class WrongSign:
@@ -50,12 +52,10 @@ HALF = Subject(control_dt=1e-3, make=HalfFriction, quick=True)
 MEASURED = Subject(control_dt=1e-3, make=measured_feedback, quick=True)
 
 
-@pytest.mark.parametrize("name", IDS)
-def test_verdicts_are_the_known_ones(name: str) -> None:
-    finding = CLAIMS[name].measure(COARSE)
-    assert finding.holds != bool(CLAIMS[name].fails), finding
-    assert np.isfinite(finding.number)
-    assert finding.measured
+@slow
+def test_the_panels_hold_at_the_rate_of_these_tests() -> None:
+    """What turns below is turned by what was broken, and not by 1 kHz."""
+    assert [name for name in PANELS if not CLAIMS[name].measure(COARSE).holds] == []
 
 
 def test_there_are_enough_of_them() -> None:
@@ -67,28 +67,37 @@ def test_there_are_enough_of_them() -> None:
         assert claim.fails == "" or claim.fails.endswith(".")
 
 
-@pytest.mark.parametrize("name", ["theorem2-pd", "theorem2-pid", "pd-rest-bound", "coulomb-pid", "constant-pd"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "theorem2-pd",
+        "pd-rest-bound",
+        *(pytest.param(name, marks=slow) for name in ("theorem2-pid", "coulomb-pid", "constant-pd")),
+    ],
+)
 def test_a_wrong_sign_turns(name: str) -> None:
     with np.errstate(all="ignore"):
         assert not CLAIMS[name].measure(WRONG_SIGN).holds
 
 
+@slow
 def test_a_wrong_sign_ends_the_simulation() -> None:
     with pytest.raises(RuntimeError, match="ended early"):
         CLAIMS["panel-pid-high"].measure(WRONG_SIGN)
 
 
-@pytest.mark.parametrize(
-    "name", ["panel-pid-high", "panel-pd-low", "panel-pd-high", "pd-rest-size", "coulomb-pid", "theorem2-pid-stuck"]
-)
+@slow
+@pytest.mark.parametrize("name", [*PANELS, "coulomb-pid", "theorem2-pid-stuck"])
 def test_measured_feedback_turns(name: str) -> None:
     assert not CLAIMS[name].measure(MEASURED).holds
 
 
+@slow
 def test_half_an_estimate_turns_the_size_at_rest() -> None:
     assert not CLAIMS["pd-rest-size"].measure(HALF).holds
 
 
+@slow
 def test_a_coarse_step_turns_the_low_pass() -> None:
     """At 1 kHz an observer of 100 rad/s is no longer the continuous low-pass within 2 %."""
     assert not CLAIMS["lowpass-letien-magnitude"].measure(COARSE).holds

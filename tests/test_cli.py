@@ -18,6 +18,7 @@ from fo_gym.cli import app
 from fo_gym.evaluation.entry import shipped_entries
 from fo_gym.evaluation.metrics import METRICS
 
+pytestmark = pytest.mark.usefixtures("short_episodes")
 SQUARE = "FJRSquare-v0"
 SIX = ("pid-low", "pid-high", "pd-low", "pd-high", "letien-low", "letien-high")
 FILES = {"episodes.csv", "leaderboard.csv", "timing.csv", "leaderboard.md", "ranking.png", f"{SQUARE}.png"}

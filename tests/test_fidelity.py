@@ -1,7 +1,11 @@
-"""The certificate: every check holds, and a check turns where something is broken on purpose."""
+"""The certificate: a check turns where something is broken on purpose.
+
+That every check holds while nothing is broken is what `make reproduce-quick` measures, of the same subject.
+"""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -15,6 +19,7 @@ from fo_gym.reproduction.statement import CHECKS, check
 from fo_gym.reproduction.subject import Subject
 
 GROUPS = {name: getattr(fidelity, name) for name in fidelity.__all__ if name != "CHECKS"}
+slow = pytest.mark.slow
 PUBLISHED, QUICK, COARSE = Subject(), Subject(quick=True), Subject(quick=True, physics_dt=1e-3)
 
 
@@ -37,33 +42,25 @@ def broken(monkeypatch: pytest.MonkeyPatch) -> Iterator[pytest.MonkeyPatch]:
 # --- As it is --------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("group", GROUPS)
-def test_every_check_holds(group: str) -> None:
-    statements = [each for each in CHECKS.values() if each.group == GROUPS[group].__name__]
-    assert len(statements) >= 3
-    for each in statements:
-        finding = each.measure(QUICK)
-        assert finding.holds, (each.id, finding)
-        assert finding.measured
-        assert isinstance(finding.number, float)
-
-
 def test_all_checks_belong_to_the_groups() -> None:
     assert len(CHECKS) >= 25
-    assert {each.group for each in CHECKS.values()} == {module.__name__ for module in GROUPS.values()}
+    counts = Counter(each.group for each in CHECKS.values())
+    assert set(counts) == {module.__name__ for module in GROUPS.values()}
+    assert min(counts.values()) >= 3
     for each in CHECKS.values():
         assert each.source, each.id
         assert each.text.endswith("."), each.id
         assert each.fails == "", each.id
 
 
-@pytest.mark.parametrize("id", ["frictional-lag", "inverse-dynamics", "energy-free-motion"])
+@pytest.mark.parametrize("id", ["frictional-lag", "inverse-dynamics", pytest.param("energy-free-motion", marks=slow)])
 def test_numbers_repeat(broken: pytest.MonkeyPatch, id: str) -> None:
     first = CHECKS[id].measure(QUICK)
     forget()
     assert CHECKS[id].measure(QUICK) == first
 
 
+@slow
 def test_quick_runs_are_the_first_of_the_published_ones() -> None:
     """Fewer cases, the same ones: the worst of few is at most the worst of all, in the same interval."""
     few, all_of_them = (CHECKS["energy-swing"].measure(subject) for subject in (QUICK, PUBLISHED))
@@ -84,12 +81,12 @@ def test_an_id_is_given_once() -> None:
     "id",
     [
         "presliding-loop",
-        "solver-paper",
-        "order-stick-slip",
-        "twin-link-implicitfast",
         "energy-free-motion",
-        "hold-displacement",
         "sensitivity-f-s",
+        *(
+            pytest.param(id, marks=slow)
+            for id in ("solver-paper", "order-stick-slip", "twin-link-implicitfast", "hold-displacement")
+        ),
     ],
 )
 def test_a_coarse_step_is_seen(monkeypatch: pytest.MonkeyPatch, id: str) -> None:
@@ -102,9 +99,9 @@ def test_a_coarse_step_is_seen(monkeypatch: pytest.MonkeyPatch, id: str) -> None
     ("name", "factor", "ids"),
     [
         ("sigma_0", 1.1, ["presliding-forward", "presliding-back"]),
-        ("f_s", 1.1, ["break-away", "stick-slip-onset", "hunting-period"]),
+        pytest.param("f_s", 1.1, ["break-away", "stick-slip-onset", "hunting-period"], marks=slow),
         ("f_c", 0.9, ["frictional-lag", "stick-slip-distance", "stick-slip-speed", "stick-slip-period"]),
-        ("sigma_2", 10.0, ["hunting-peak", "hunting-amplitude", "stick-slip-period"]),
+        pytest.param("sigma_2", 10.0, ["hunting-peak", "hunting-amplitude", "stick-slip-period"], marks=slow),
     ],
 )
 def test_another_friction_is_seen(broken: pytest.MonkeyPatch, name: str, factor: float, ids: list[str]) -> None:
@@ -113,7 +110,7 @@ def test_another_friction_is_seen(broken: pytest.MonkeyPatch, name: str, factor:
         assert not CHECKS[id].measure(QUICK).holds, id
 
 
-@pytest.mark.parametrize("id", ["solver-paper", "sensitivity-sigma-1", "energy-dissipation"])
+@pytest.mark.parametrize("id", ["energy-dissipation", "sensitivity-sigma-1", pytest.param("solver-paper", marks=slow)])
 def test_a_wrong_sign_in_the_equations_is_seen(broken: pytest.MonkeyPatch, id: str) -> None:
     """Bristle damping that pushes: what the plant must not agree with."""
     right = reference.lugre
@@ -127,7 +124,9 @@ def test_a_wrong_sign_in_the_equations_is_seen(broken: pytest.MonkeyPatch, id: s
     assert not CHECKS[id].measure(QUICK).holds
 
 
-@pytest.mark.parametrize("id", ["inverse-dynamics", "solver-two-link", "energy-balance", "energy-swing"])
+@pytest.mark.parametrize(
+    "id", ["inverse-dynamics", "energy-balance", "energy-swing", pytest.param("solver-two-link", marks=slow)]
+)
 def test_wrong_inertia_is_seen(broken: pytest.MonkeyPatch, id: str) -> None:
     """One per cent, at every pose."""
     for name in ("dynamics", "forward"):
@@ -143,7 +142,7 @@ def test_wrong_inertia_is_seen(broken: pytest.MonkeyPatch, id: str) -> None:
     assert not CHECKS[id].measure(QUICK).holds
 
 
-@pytest.mark.parametrize("id", ["twin-link-rk4", "twin-arm-rk4"])
+@pytest.mark.parametrize("id", ["twin-arm-rk4", pytest.param("twin-link-rk4", marks=slow)])
 def test_another_twin_is_seen(broken: pytest.MonkeyPatch, id: str) -> None:
     """A spring that is stiffer by one per cent."""
     right: Callable[..., Any] = plant_module.twin_model
@@ -157,7 +156,7 @@ def test_another_twin_is_seen(broken: pytest.MonkeyPatch, id: str) -> None:
     assert not CHECKS[id].measure(QUICK).holds
 
 
-@pytest.mark.parametrize("id", ["hold-creep", "slide-steady"])
+@pytest.mark.parametrize("id", ["slide-steady", pytest.param("hold-creep", marks=slow)])
 def test_a_leaking_bristle_is_seen(broken: pytest.MonkeyPatch, id: str) -> None:
     """A bristle that relaxes, by a part in 1e6 at every control period, and friction that is 2 % too small."""
     right = plant_module.advance

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 from typer.testing import CliRunner
@@ -154,6 +155,8 @@ def test_published_tables_are_of_today(table: str) -> None:
     path = ROOT / "leaderboard" / f"{PLACES[table]}.csv"
     published = pd.read_csv(path, dtype={"unit": str, "explanation": str}).fillna({"unit": "", "explanation": ""})
     assert list(published["id"]) == list(TABLES[table])
+    assert np.isfinite(published["number"]).all()
+    assert published["measured"].str.len().gt(0).all()
     for row in published.to_dict("records"):
         statement = TABLES[table][row["id"]]
         assert (row["source"], row["statement"]) == (statement.source, statement.text)

@@ -13,11 +13,12 @@ from matplotlib.figure import Figure
 
 from fo_gym.reproduction.figures import FIGURES, draw
 from fo_gym.reproduction.figures.motivating import VIEWS, break_away
-from fo_gym.reproduction.figures.style import KINDS, LINES, gains_label, thin
+from fo_gym.reproduction.figures.style import KINDS, LINES
 from fo_gym.reproduction.loop import FRICTION
 from fo_gym.reproduction.runs import GAINS, panels
 from fo_gym.reproduction.subject import Subject
 
+pytestmark = pytest.mark.slow
 QUICK = Subject(control_dt=1e-3, quick=True)
 TIMED = "convergence"
 """The one figure that holds times, which differ from run to run."""
@@ -150,28 +151,3 @@ def test_first_break_away_is_below_f_s_and_the_slow_one_near_it() -> None:
     fast, faster, slow = (break_away(panels(QUICK)[view.name], view.start)[1] for view in VIEWS)
     assert faster < fast < 1.15
     assert 1.4 < slow < float(FRICTION.f_s)
-
-
-# --- Helpers ---------------------------------------------------------------------------------------------------------
-
-
-def test_thinning_keeps_extremes_and_ends() -> None:
-    time = np.linspace(0.0, 20.0, 200_001)
-    values = np.sin(time)
-    values[[12_345, 150_001]] = 7.0, -5.0
-    few, kept = thin(time, values, bins=100)
-    assert len(few) == len(kept) <= 2 * 100 + 2
-    assert (kept.max(), kept.min()) == (7.0, -5.0)
-    assert (few[kept.argmax()], few[kept.argmin()]) == (time[12_345], time[150_001])
-    assert (few[0], few[-1]) == (0.0, 20.0)
-    assert np.all(np.diff(few) > 0)
-
-
-def test_thinning_leaves_short_traces_alone() -> None:
-    time = np.arange(200.0)
-    assert thin(time, time, bins=100)[1] is time
-
-
-def test_gains_are_those_that_the_observer_has() -> None:
-    assert [gains_label("high", kind).count("=") for kind in KINDS] == [3, 2, 1]
-    assert "25" in gains_label("low", "pid")

@@ -1,8 +1,7 @@
-"""Runs that survive: killed, interrupted, on any number of workers, the files come out the same to the byte."""
+"""Runs that survive: killed or interrupted, at chosen moments, the files come out the same to the byte."""
 
 from __future__ import annotations
 
-import os
 import signal
 import subprocess
 import sys
@@ -10,7 +9,6 @@ from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
-import numpy as np
 import pytest
 from tables import SQUARE, STICTION
 from typer.testing import CliRunner
@@ -21,6 +19,7 @@ from fo_gym.evaluation.protocol import load_protocol
 from fo_gym.evaluation.run import run_protocol
 from fo_gym.files import csv
 
+pytestmark = pytest.mark.usefixtures("short_episodes")
 PROTOCOL = f"""
 name = "small"
 split = "validation"
@@ -58,7 +57,45 @@ class Signalled(Calm):
             os.kill(os.getppid(), signal.SIGINT)
             signal.pause()
 """
-KILLS = 5
+KILLED = """
+import os
+import signal
+import sys
+from pathlib import Path
+
+import gymnasium
+
+import fo_gym
+from fo_gym.cli import app
+
+for env_id in fo_gym.ENVIRONMENTS:  # as short as in the test
+    gymnasium.spec(env_id).kwargs["duration"] = 1.0
+
+number, share = int(sys.argv.pop(1)), float(sys.argv.pop(1))
+write_bytes = Path.write_bytes
+drafts = 0
+
+
+def killed(path, content):
+    global drafts
+    drafts += path.suffix == ".trial"
+    if drafts < number:
+        return write_bytes(path, content)
+    write_bytes(path, content[: int(share * len(content))])
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+Path.write_bytes = killed
+app()
+"""
+"""The command, killed when so much of the draft of the n-th trial that it keeps is on disk."""
+
+KILLS = [(1, 0.0), (4, 0.5), (3, 1.0), (3, 0.0)]
+"""One after the other, on one store: before anything is kept, within a draft, before it takes its place, after that."""
+
+KEPT = [0, 3, 5, 7]
+"""Trials in the store after each: those of none and ideal of both environments come first."""
+
 RUNS = 8
 
 
@@ -74,62 +111,32 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         yield folder
 
 
-def published(jobs: int) -> dict[str, str]:
-    """The files of an uninterrupted run, without a store, with so many workers."""
-    episodes = run_protocol(load_protocol("small.toml"), jobs=jobs).episodes
+@pytest.fixture(scope="module")
+def whole(folder: Path) -> dict[str, str]:
+    """The files of an uninterrupted run, without a store."""
+    episodes = run_protocol(load_protocol("small.toml")).episodes
     return {"episodes.csv": csv(episodes), "leaderboard.csv": csv(leaderboard(episodes))}
 
 
-@pytest.fixture(scope="module")
-def whole(folder: Path) -> dict[str, str]:
-    """The files of an uninterrupted run in this process."""
-    return published(jobs=1)
+def kept(folder: str) -> int:
+    """How many trials a store holds; drafts that were left behind do not count."""
+    return len([path for path in Path(folder).rglob("*.trial") if not path.name.startswith(".")])
 
 
-def command(*options: str) -> list[str]:
-    return [sys.executable, "-m", "fo_gym.cli", "leaderboard", "--protocol", "small.toml", *options]
-
-
-def killed(moment: float, lines: int) -> int:
-    """Start the command, kill it with its workers some time after it told of so many runs; how it ended."""
-    options = command("--out", "survived", "--store", "survived-store", "--jobs", "1")
-    with subprocess.Popen(
-        options, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True
-    ) as process:
-        assert process.stderr is not None
-        told = [line for _, line in zip(range(lines), process.stderr, strict=False)]
-        assert len(told) == lines
-        try:
-            process.wait(moment)
-        except subprocess.TimeoutExpired:
-            os.killpg(process.pid, signal.SIGKILL)
-    return process.returncode
-
-
-def kept() -> int:
-    """How many trials the store holds."""
-    return len(list(Path("survived-store").rglob("*.trial")))
-
-
+@pytest.mark.slow
 def test_killed_again_and_again_the_result_is_the_same(whole: dict[str, str]) -> None:
-    rng = np.random.default_rng(9)
-    ends, counts = [], []
-    for _ in range(KILLS):
-        # A run takes up to a second: a kill hits it anywhere, or while its trial is written.
-        ends.append(killed(moment=rng.uniform(0.0, 1.0), lines=min(RUNS, kept() + 1)))
-        counts.append(kept())
-    assert ends[0] == -signal.SIGKILL
-    assert counts == sorted(counts)
-    assert counts[-1] > 0
-    options = command("--out", "survived", "--store", "survived-store", "--jobs", "1")
-    done = subprocess.run(options, capture_output=True, text=True, check=True)
-    assert f" of {RUNS} runs were taken from survived-store" in done.stderr
-    assert f"\n0 of {RUNS} runs" not in done.stderr
+    options = ["leaderboard", "--protocol", "small.toml", "--out", "survived", "--store", "survivors", "--jobs", "1"]
+    counts = []
+    for number, share in KILLS:
+        program = [sys.executable, "-c", KILLED, str(number), str(share), *options]
+        assert subprocess.run(program, capture_output=True, check=False).returncode == -signal.SIGKILL
+        counts.append(kept("survivors"))
+    assert counts == KEPT
+    done = CliRunner().invoke(app, options)
+    assert done.exit_code == 0, done.stderr
+    # All of the first environment: its three competitors, and none and ideal, which count as one run.
+    assert f"4 of {RUNS} runs were taken from survivors" in done.stderr
     assert {name: Path("survived", name).read_text(encoding="utf-8") for name in whole} == whole
-
-
-def test_the_number_of_workers_does_not_matter(whole: dict[str, str]) -> None:
-    assert published(jobs=4) == whole
 
 
 def only(folder: Path, name: str, compensators: str) -> None:
@@ -144,7 +151,7 @@ def test_an_interrupted_run_says_how_to_go_on(folder: Path) -> None:
     first = CliRunner().invoke(app, options)
     assert first.exit_code == 130
     assert "interrupted; finished runs are kept in kept, the same command goes on with them" in first.stderr
-    assert len(list(Path("kept").rglob("*.trial"))) == 3
+    assert kept("kept") == 3
     assert not Path("stopped-out").exists()
     second = CliRunner().invoke(app, options)
     assert second.exit_code == 0, second.stderr
@@ -153,15 +160,16 @@ def test_an_interrupted_run_says_how_to_go_on(folder: Path) -> None:
     assert "4 of 4 runs were taken from kept" in third.stderr
 
 
+@pytest.mark.slow
 def test_ctrl_c_ends_the_workers_too(folder: Path) -> None:
     """As the terminal does it, but at a moment that a worker chooses."""
     only(folder, "small-signalled.toml", '"theirs.py:Signalled", "pd-low"')
     options = ["--protocol", "small-signalled.toml", "--out", "signalled-out", "--store", "kept", "--jobs", "2"]
-    arguments = [*command()[:4], *options]
+    arguments = [sys.executable, "-m", "fo_gym.cli", "leaderboard", *options]
     # What a shell starts in the background, as these tests may be, inherits that Ctrl-C is ignored.
     attended = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
     first = subprocess.run(
-        arguments, capture_output=True, text=True, check=False, start_new_session=True, timeout=60, preexec_fn=attended
+        arguments, capture_output=True, text=True, check=False, start_new_session=True, preexec_fn=attended
     )
     assert first.returncode == 130, first.stderr
     assert "interrupted; finished runs are kept in kept" in first.stderr

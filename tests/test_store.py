@@ -23,6 +23,7 @@ from fo_gym.evaluation.store import Store, key_of
 from fo_gym.evaluation.trial import NONE
 from fo_gym.files import csv
 
+pytestmark = pytest.mark.usefixtures("short_episodes")
 MINE = """
 from baselines import LeTienObserver
 

@@ -17,6 +17,7 @@ from fo_gym.cli import app
 from fo_gym.evaluation.leaderboard import KEY
 from fo_gym.evaluation.verify import MISMATCH, OTHER, SAME, Comparison, published, sampled
 
+pytestmark = pytest.mark.usefixtures("short_episodes")
 PROTOCOL = f"""
 name = "small"
 split = "validation"

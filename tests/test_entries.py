@@ -1,15 +1,13 @@
-"""Competitors: entries and what is refused in them, submissions among them, and what a competitor consists of."""
+"""Entries of competitors, what is refused in them, and submissions among them."""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 import pytest
+from entries import ENTRY, MINE, Write
 from tables import SQUARE, STICTION
 from typer.testing import CliRunner
 
@@ -17,50 +15,11 @@ import fo_gym
 from fo_gym.cli import app
 from fo_gym.evaluation import entry
 from fo_gym.evaluation.competitor import BASELINE, REFERENCE, SUBMISSION, Competitor
-from fo_gym.evaluation.content import content_of, suite
 from fo_gym.evaluation.entry import check_names, competitor_of, load_entry, submissions_in
 from fo_gym.evaluation.protocol import Protocol
 from fo_gym.evaluation.run import run_protocol
 
-ENTRY = """
-name = "tuned"
-spec = "mine.py:Mine"
-authors = ["A. Author", "B. Author"]
-link = "https://example.org/paper"
-
-[gains]
-L = 80.0
-
-[[sets]]
-env = "FJRSquare-v0"
-variant = "randomized"
-gains = { L = 60.0 }
-"""
-MINE = """
-from baselines import LeTienObserver
-
-
-class Mine(LeTienObserver):
-    pass
-"""
-Write = Callable[..., Path]
-
-
-@pytest.fixture
-def write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Write:
-    """Writes files into a folder beside the working directory, and names the first."""
-    here = tmp_path / "here"
-    here.mkdir()
-    monkeypatch.chdir(here)
-
-    def write(**contents: str) -> Path:
-        paths = [tmp_path / name.replace("_", ".") for name in contents]
-        for path, content in zip(paths, contents.values(), strict=True):
-            path.write_text(content, encoding="utf-8")
-        return paths[0]
-
-    return write
-
+pytestmark = pytest.mark.usefixtures("short_episodes")
 
 # Entries
 
@@ -210,94 +169,3 @@ def test_submissions_leave_the_rows_of_the_others_alone(write: Write) -> None:
     with_them = run_protocol(PROTOCOL, submissions=submissions_in(Path(".."))).episodes
     others = with_them[with_them["origin"] != SUBMISSION]
     pd.testing.assert_frame_equal(others, run_protocol(PROTOCOL).episodes, check_exact=True)
-
-
-# What a competitor consists of
-
-
-def test_only_what_is_imported_counts() -> None:
-    files = set(content_of("pid-low").files)
-    assert "baselines.kim2019" in files
-    assert "baselines.gains" in files
-    assert not {"baselines", "baselines.letien2008"} & files
-    assert not any(name.startswith("fo_gym") for name in files)
-    assert content_of("pid-low").versions == {"numpy": np.__version__}
-
-
-def test_weights_in_a_package_count() -> None:
-    files = set(content_of("rl-direct").files)
-    assert {"baselines.rl.network", "baselines/rl/weights/rl-direct/policy.safetensors"} <= files
-    assert "safetensors" in content_of("rl-direct").versions
-
-
-def test_nothing_is_imported_or_run_to_find_out(write: Write) -> None:
-    path = write(mine_py="raise RuntimeError('imported')\nfrom .. import x\nimport nowhere.at_all\n")
-    assert set(content_of(f"{path}:Mine").files) == {"mine.py"}
-    assert set(content_of(f"{write(broken_py='class Mine(:')}:Mine").files) == {"broken.py"}
-    for spec in ("nobody", "nowhere.py:Mine", "nowhere.at_all:Mine", "none", "ideal"):
-        assert content_of(spec).files == {}, spec
-
-
-def test_no_source_file_ends_the_search(write: Write, tmp_path: Path) -> None:
-    """The file counts however deep its syntax; links in circles and files that never end are left out."""
-    deep = {"minus": "x = " + 100_000 * "-" + "1", "plus": "x = 1" + 100_000 * "+1", "else": "if x: pass\n"}
-    deep["else"] += 30_000 * "elif x: pass\n"
-    for name, source in deep.items():
-        assert set(content_of(f"{write(mine_py=source)}:Mine").files) == {"mine.py"}, name
-    (tmp_path / "nets").mkdir()
-    for name in ("a", "b", "c"):
-        (tmp_path / "nets" / name).symlink_to(tmp_path / "nets")
-    os.mkfifo(tmp_path / "pipe")
-    os.mkfifo(tmp_path / "nets" / "pipe")
-    path = write(mine_py="W = ['nets', 'pipe']")
-    assert set(content_of(f"{path}:Mine").files) == {"mine.py"}
-
-
-def test_files_that_a_file_names_count(write: Write, tmp_path: Path) -> None:
-    (tmp_path / "nets").mkdir()
-    (tmp_path / "nets" / "deep.npz").write_text("1", encoding="utf-8")
-    path = write(mine_py='W = ["w.npz", "nets", "..", "", "/etc", "gone.npz"]', w_npz="1", other_npz="2")
-    assert set(content_of(f"{path}:Mine").files) == {"mine.py", "mine/w.npz", "mine/nets/deep.npz"}
-
-
-def test_a_helper_on_the_path_counts(write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.syspath_prepend(str(tmp_path))
-    path = write(mine_py="def f():\n    from helper_of_mine import g\n")
-    (tmp_path / "helper_of_mine.py").write_text("import numpy", encoding="utf-8")
-    content = content_of(f"{path}:Mine")
-    assert set(content.files) == {"mine.py", "helper_of_mine"}
-    assert content.versions == {"numpy": np.__version__}
-
-
-def test_the_hash_tells_competitors_apart(write: Write, tmp_path: Path) -> None:
-    path = write(theirs_toml=ENTRY, mine_py=MINE)
-    first = load_entry(path)
-    assert first.hash_on(SQUARE, "nominal") == first.hash_on(STICTION, "nominal") != first.hash_on(SQUARE, "randomized")
-    moved = tmp_path / "elsewhere"
-    moved.mkdir()
-    for name in ("theirs.toml", "mine.py"):
-        (moved / name).write_bytes((tmp_path / name).read_bytes())
-    assert load_entry(moved / "theirs.toml").hash_on(SQUARE, "nominal") == first.hash_on(SQUARE, "nominal")
-    write(mine_py=MINE + "\n")
-    assert load_entry(path).hash_on(SQUARE, "nominal") != first.hash_on(SQUARE, "nominal")
-
-
-def test_the_hash_covers_a_file_that_a_gain_names(write: Write) -> None:
-    text = ENTRY.replace("L = 80.0", 'weights = "w.npz"')
-    hashes = []
-    for weights in ("1", "2"):
-        competitor = load_entry(write(theirs_toml=text, mine_py=MINE, w_npz=weights))
-        hashes.append(competitor.hash_on(SQUARE, "nominal"))
-    assert hashes[0] != hashes[1]
-
-
-def test_the_suite_is_everything_that_computes() -> None:
-    files = set(suite().files)
-    root = Path(fo_gym.__file__).parent
-    for part in ("plant", "control", "tasks", "envs", "hardware", "evaluation/metrics"):
-        for path in (root / part).rglob("*.py"):
-            module = ".".join(("fo_gym", *path.relative_to(root).with_suffix("").parts))
-            assert path.name == "__init__.py" or module in files, module
-    assert {"fo_gym", "fo_gym.evaluation.recording", "envs_assets", "envs_assets/miro_like.xml"} <= files
-    assert not {"fo_gym.evaluation.tables", "fo_gym.evaluation.store", "fo_gym.cli"} & files
-    assert {"mujoco", "numba", "numpy"} <= set(suite().versions)
