@@ -38,3 +38,14 @@ def write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Write:
     here.mkdir()
     monkeypatch.chdir(here)
     return partial(write_files, tmp_path)
+
+
+@pytest.fixture(scope="module")
+def one_torch_thread() -> Iterator[None]:
+    """Networks as small as ours are faster on one, and a loaded machine lets the others wait in a busy loop."""
+    import torch  # noqa: PLC0415 (slow)
+
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    yield
+    torch.set_num_threads(before)

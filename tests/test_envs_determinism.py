@@ -114,7 +114,9 @@ def test_reset_without_seed_continues_the_generator(env_id):
 
 
 @every_env
-@every_variant
+@pytest.mark.parametrize(
+    "variant", [*(pytest.param(v, marks=pytest.mark.slow) for v in ("nominal", "randomized")), "hardware"]
+)
 @pytest.mark.parametrize("action_mode", ["compensation", "torque"])
 def test_vector_is_gymnasiums_own_to_the_bit(env_id, variant, action_mode):
     """Over 350 steps and more, past ends of episodes; under torque the last one leaves its joint range first."""

@@ -24,7 +24,10 @@ from fo_gym.envs.stiction import STICTION
 from fo_gym.plant import Robot
 
 IDS = ("FJRStiction-v0", "FJRRegulation-v0", "FJRSquare-v0")
-STICTION_ID, _, SQUARE_ID = IDS
+STICTION_ID, REGULATION_ID, SQUARE_ID = IDS
+some_slow = pytest.mark.parametrize(
+    "env_id", [STICTION_ID, SQUARE_ID, pytest.param(REGULATION_ID, marks=pytest.mark.slow)]
+)
 
 
 @pytest.fixture(autouse=True)
@@ -71,7 +74,7 @@ def same(image, other):
     return np.array_equal(image, other)
 
 
-@pytest.mark.parametrize("env_id", IDS)
+@some_slow
 def test_image(make, env_id):
     env = make(env_id)
     image = env.render()
@@ -84,6 +87,7 @@ def test_image(make, env_id):
     env_render_passive_checker(env)
 
 
+@pytest.mark.slow
 def test_motor_and_link_are_seen_to_move(make):
     env = make(STICTION_ID)
     before = env.render()
@@ -93,11 +97,13 @@ def test_motor_and_link_are_seen_to_move(make):
     assert min(motor.sum(), spring.sum(), link.sum()) > 500
 
 
+@pytest.mark.slow
 def test_spring_joins_the_blocks(make):
     between = make(STICTION_ID).render()[185:225, 280:370, 0]
     assert between.std() > 15.0
 
 
+@pytest.mark.slow
 def test_target_is_where_the_options_put_it(make):
     env = make(STICTION_ID)
     columns = []
@@ -108,6 +114,7 @@ def test_target_is_where_the_options_put_it(make):
     assert 60 < columns[1] - columns[0] < 120
 
 
+@pytest.mark.slow
 def test_reference_and_trace_of_the_square(make):
     env = make(SQUARE_ID)
     start = env.render()
@@ -119,6 +126,7 @@ def test_reference_and_trace_of_the_square(make):
     assert same(env.render(), start)
 
 
+@pytest.mark.slow
 def test_target_of_the_arm_jumps_with_the_step(make):
     env = make(IDS[1], duration=4.0)
     hold(env, 2999)
@@ -127,7 +135,7 @@ def test_target_of_the_arm_jumps_with_the_step(make):
     assert (env.render() != before).any(axis=2).sum() > 20
 
 
-@pytest.mark.parametrize("env_id", IDS)
+@some_slow
 def test_drawing_changes_no_trajectory(make, env_id):
     drawn, plain = make(env_id, variant="randomized"), make(env_id, variant="randomized", render_mode=None)
     rng = np.random.default_rng(1)
@@ -141,6 +149,7 @@ def test_drawing_changes_no_trajectory(make, env_id):
         assert all(one[4][name].tobytes() == other[4][name].tobytes() for name in other[4])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("duplicate", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
 def test_copies_of_an_environment_that_has_drawn(make, duplicate):
     env = make(STICTION_ID)
@@ -152,6 +161,7 @@ def test_copies_of_an_environment_that_has_drawn(make, duplicate):
     assert same(env.render(), image)
 
 
+@pytest.mark.slow
 def test_closing_twice_and_drawing_again(make):
     env = make(STICTION_ID)
     image = env.render()
@@ -160,6 +170,7 @@ def test_closing_twice_and_drawing_again(make):
     assert same(env.unwrapped.render(), image)
 
 
+@pytest.mark.slow
 def test_vector_draws_every_environment(make):
     envs = gym.make_vec(STICTION_ID, num_envs=2, render_mode="rgb_array", variant="randomized")
     envs.reset(seed=5)
@@ -172,6 +183,7 @@ def test_vector_draws_every_environment(make):
     envs.close()
 
 
+@pytest.mark.slow
 def test_trace_ends_with_its_episode():
     envs = gym.make_vec(SQUARE_ID, num_envs=2, render_mode="rgb_array", duration=0.6)
     envs.reset(seed=0)

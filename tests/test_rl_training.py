@@ -29,6 +29,7 @@ from fo_gym.cli import app
 from fo_gym.evaluation.seeds import TRAINING_SEEDS
 from fo_gym.sb3 import VecEnvAdapter
 
+pytestmark = pytest.mark.usefixtures("one_torch_thread")
 STICTION, REGULATION = "FJRStiction-v0", "FJRRegulation-v0"
 SMALL = Plan(STICTION, "ppo", 3, Design(), robots=4, steps=64, segments=3, validation_seeds=2)
 

@@ -15,6 +15,7 @@ from stable_baselines3.common.vec_env import DummyVecEnv, VecCheckNan, VecMonito
 
 from fo_gym.sb3 import VecEnvAdapter, make_vec_env
 
+pytestmark = pytest.mark.usefixtures("one_torch_thread")
 STICTION_ID = IDS[0]
 # An episode of 30 steps, in which the randomized push cannot fall.
 KWARGS = {"variant": "randomized", "decimation": 2, "duration": 0.06}

@@ -228,6 +228,7 @@ def test_stratified_intervals_cover_at_about_their_stated_rate() -> None:
     assert abs(covered / repeats - level) < binomial_tolerance(level, repeats)
 
 
+@pytest.mark.slow
 def test_equal_competitors_are_tied_at_about_the_stated_rate() -> None:
     source, repeats = rng(3), 1000
     same = 0

@@ -66,6 +66,7 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Installed:
     return result
 
 
+@pytest.mark.slow
 def test_the_wheel_works_where_there_is_nothing_else(installed: Installed) -> None:
     files = set(ZipFile(installed.wheel).namelist())
     packages = {name for name in {path.partition("/")[0] for path in files} if not name.endswith(".dist-info")}

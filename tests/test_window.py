@@ -95,6 +95,7 @@ def display():
     server.wait()
 
 
+@pytest.mark.slow
 def test_window_opens_and_closes(display, tmp_path):
     result = run(IN_A_WINDOW, tmp_path, DISPLAY=display)
     assert result.returncode == 0, result.stderr

@@ -1,0 +1,145 @@
+"""The published observers against their equations, solved another way."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from observers import DT, answers, joints, on_a_motor, random_observations
+from scipy import integrate, optimize, signal
+
+from baselines.feedforward import feedforward
+from baselines.garofalo2019 import SuperTwistingObserver
+from baselines.kaneko import kaneko
+from baselines.kim2019 import pd_measured, pid_measured
+from baselines.kimchung2015 import KimChungObserver, kimchung
+from baselines.l1_observer import l1
+from baselines.lugre1995 import IDENTIFIED, lugre_nominal
+
+TRANSFER = {
+    "kimchung": (kimchung, [3 * 100**2, 100**3], np.poly([-100, -100, -100])),
+    "pid": (pid_measured, [100, 2000, 10_000], [1, 100, 2000, 10_000]),
+    "pd": (pd_measured, [100, 2000], [1, 100, 2000]),
+    "kaneko": (kaneko, [100], [1, 100]),
+    "l1": (l1, np.polymul([1e4, 1e6], [150]), np.polymul([1, 1e4, 1e6], [1, 150])),
+}
+
+
+@pytest.mark.parametrize("name", TRANSFER)
+def test_the_estimate_is_its_low_pass_of_friction(name):
+    """Against SciPy's linear simulation, over random torques; half a period of delay and the hold make 1 %.
+
+    Of tau_f for those with a torque sensor, of tau_f - (tau_j - its first value) for the one without.
+    """
+    make, numerator, denominator = TRANSFER[name]
+    dt, time = 1e-4, np.arange(20_000) * 1e-4
+    rng = np.random.default_rng(3)
+    waves = np.sin(rng.uniform(5.0, 60.0, (3, 8, 1)) * time + rng.uniform(0.0, 6.0, (3, 8, 1))).sum(axis=1)
+    friction, tau_j, tau_c = waves
+    target = friction - (tau_j - tau_j[0]) if name == "kaneko" else friction
+    estimates = on_a_motor(make(), friction, tau_j, tau_c, dt)
+    if name == "kaneko":  # it takes the start for an equilibrium; here it is none
+        tau_c = tau_c - tau_c[0]
+    _, expected, _ = signal.lsim((numerator, denominator), target, time)
+    assert np.abs(estimates[1:] - expected[:-1]).max() < 0.02 * np.abs(expected).max()
+
+
+def test_kimchung_is_a_filtered_pd():
+    observations = random_observations(50, 1, 1)
+    theta, theta_dot, _, theta_n, theta_n_dot, _, _ = observations[:, 0].T
+    share = 1.0 - np.exp(-0.3)
+    filtered = signal.lfilter([share], [1.0, share - 1.0], theta_n_dot - theta_dot + 100.0 / 3.0 * (theta_n - theta))
+    np.testing.assert_allclose(answers(kimchung(), observations, joints(1))[:, 0, 0], -130.0 * filtered, rtol=1e-12)
+
+
+def test_kimchung_tau_k():
+    """Joint by joint: tau_k takes the power (theta_k' - q')^T K_j e, all of it for a small eps, out of theta_k."""
+    observations, info, tie = 1e-3 * random_observations(30, 1, 3), joints(3), 7.0
+    with_it = answers(KimChungObserver(100.0, tau_k=True, eps=1e-30, tie=tie), observations, info)[:, 0]
+    share, d, d_dot, q_dot, filtered = 1.0 - np.exp(-0.3), np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
+    for k, row in enumerate(observations[:, 0].reshape(-1, 7, 3)):
+        theta, theta_dot, tau_j, theta_n, theta_n_dot = row[:5]
+        previous = observations[max(k - 1, 0), 0].reshape(7, 3)
+        q_dot = (1 - share) * q_dot + share * ((theta - previous[0]) - (tau_j - previous[2]) / 3e3) / DT
+        e, velocity = theta_n + d - theta, theta_n_dot + d_dot
+        filtered = (1 - share) * filtered + share * (velocity - theta_dot + 100.0 / 3.0 * e)
+        tau_k = -130.0 * filtered + 1.3 * (2 * tie * d_dot + tie**2 * d) - with_it[k]
+        assert velocity @ tau_k == pytest.approx(-(velocity - q_dot) @ (3e3 * e), rel=1e-9)
+        assert np.linalg.norm(np.cross(velocity, tau_k)) < 1e-9 * np.linalg.norm(velocity) * np.linalg.norm(tau_k)
+        a = tau_k / 1.3 - 2 * tie * d_dot - tie**2 * d
+        d, d_dot = d + DT * d_dot + 0.5 * DT**2 * a, d_dot + DT * a
+
+
+def test_l1_is_its_state_space_form():
+    """Predictor and low-pass as one linear system in discrete time, by SciPy."""
+    observations, dt, b = random_observations(60, 1, 1), DT, 1.3
+    inputs = observations[:, 0, [0, 1, 2, 6]]  # theta, theta', tau_j, tau_c
+    gain, share = b * 1e4 / (1.0 + 1e4 * dt), 1.0 - np.exp(-0.15)
+    sigma_x = -gain * np.array([100.0, 1.0 + 100.0 * dt, 0.0])
+    sigma_u = -np.array([*sigma_x[:2], 0.0, 0.0])
+    f_x, f_u = share * sigma_x + [0.0, 0.0, 1.0 - share], share * sigma_u
+    a_x, a_u = (sigma_x - f_x) / b, (sigma_u - f_u + [0.0, 0.0, -1.0, 1.0]) / b
+    v_x, v_u = dt * a_x + [0.0, 1.0, 0.0], dt * a_u
+    A = np.array([dt * v_x + [1.0, 0.0, 0.0], v_x, f_x])
+    system = (A, np.array([dt * v_u, v_u, f_u]), f_x[None], f_u[None], dt)
+    _, expected, _ = signal.dlsim(system, inputs, x0=[*inputs[0, :2], 0.0])
+    np.testing.assert_allclose(answers(l1(), observations, joints(1))[:, 0], expected, rtol=1e-9, atol=1e-9)
+
+
+def test_supertwisting_solves_its_implicit_equations():
+    """p~ of every tick by bracketing, the sign filled in at 0; small momenta, so that the sign matters."""
+    observations, b = 0.02 * random_observations(200, 1, 1), 1.3
+    S1, T1, S2, T2 = gains = (20.0, 9.0, 400.0, 40.0)
+    estimates = answers(SuperTwistingObserver(*gains), observations, joints(1))[:, 0, 0]
+    s, p_hat, before = 0.0, b * observations[0, 0, 1], None
+    for row, estimate in zip(observations[:, 0], estimates, strict=True):
+        if before is not None:
+            free = p_hat + DT * (before[6] - s - before[2] + s) - b * row[1]
+
+            def residual(x, free=free):
+                slow = T1 * np.sqrt(abs(x)) * np.sign(x) + T2 * x + DT * (S1 * np.sign(x) + S2 * x)
+                return x + DT * slow - free
+
+            x = optimize.brentq(residual, -10.0, 10.0, xtol=1e-15)
+            slope = (free - x - DT * (T1 * np.sqrt(abs(x)) * np.sign(x) + T2 * x)) / DT**2
+            s, p_hat = s - DT * slope, b * row[1] + x
+        assert estimate == pytest.approx(s, rel=1e-6, abs=1e-7)
+        before = row
+
+
+def test_lugre_against_a_stiff_solver():
+    """Through presliding, break-away and reversals; 0.1 ms of implicit Euler makes 1 % of the largest friction."""
+    p, dt, k = IDENTIFIED[1], 1e-4, 0.05
+    time = np.arange(20_000) * dt
+    observations = np.zeros((len(time), 1, 7))
+    observations[:, 0, 0] = 1e-4 * np.cos(3.0 * time)  # theta - theta_d
+    observations[:, 0, 1] = 5e-3 * np.sin(7.0 * time)
+
+    def z_dot(t, z):
+        v = 5e-3 * np.sin(7.0 * t)
+        g = p.f_c + (p.f_s - p.f_c) * np.exp(-((v / p.v_s) ** 2))
+        return v - p.sigma_0 * abs(v) / g * z - k * 1e-4 * np.cos(3.0 * t)
+
+    z = integrate.solve_ivp(z_dot, (0.0, 2.0), [0.0], "LSODA", time, rtol=1e-9, atol=1e-14).y[0]
+    expected = -(p.sigma_0 * z + p.sigma_1 * np.array(list(map(z_dot, time, z))) + p.sigma_2 * observations[:, 0, 1])
+    estimates = answers(lugre_nominal(k=k), observations, joints(1, dt))[:, 0, 0]
+    assert np.abs(expected).max() > 1.2
+    assert np.abs(estimates - expected).max() < 0.02
+
+
+@pytest.mark.parametrize("speed", [1e-9, 1e-3, 1.0, 1e6])
+def test_lugre_holds_at_any_speed(speed):
+    """At constant velocity it is the steady friction."""
+    observations = np.zeros((30_000, 1, 9))
+    observations[:, :, 1] = speed
+    final = answers(lugre_nominal(k=0.0), observations, joints(1))[-1, 0, 0]
+    steady = float(IDENTIFIED[1].steady(speed)) if speed > 1e-8 else -1e5 * 30_000 * DT * speed
+    assert final == pytest.approx(steady, rel=1e-3)
+
+
+def test_feedforward_is_its_formula():
+    observations = 1e-3 * random_observations(20, 2)
+    p = IDENTIFIED[7]
+    theta, theta_dot, theta_d = (observations[..., 7 * i : 7 * i + 7] for i in (0, 1, 5))
+    v_r = np.diff(theta_d, axis=0, prepend=theta_d[:1]) / DT + 10.0 * (theta_d - theta)
+    expected = -p.f_c * np.tanh(v_r / p.v_s) - p.sigma_2 * theta_dot
+    np.testing.assert_allclose(answers(feedforward(), observations, joints()), expected, rtol=1e-12)
