@@ -110,7 +110,7 @@ def test_lugre_against_a_stiff_solver():
     """Through presliding, break-away and reversals; 0.1 ms of implicit Euler makes 1 % of the largest friction."""
     p, dt, k = IDENTIFIED[1], 1e-4, 0.05
     time = np.arange(20_000) * dt
-    observations = np.zeros((len(time), 1, 7))
+    observations = np.zeros((len(time), 1, 9))
     observations[:, 0, 0] = 1e-4 * np.cos(3.0 * time)  # theta - theta_d
     observations[:, 0, 1] = 5e-3 * np.sin(7.0 * time)
 

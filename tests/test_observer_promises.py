@@ -134,7 +134,7 @@ def test_a_clipped_estimate_does_not_wind_up(make):
 
 
 def test_feedforward_is_the_friction_of_a_slide_and_pushes_towards_the_target_at_rest():
-    rows = np.zeros((2, 1, 7))
+    rows = np.zeros((2, 1, 9))
     rows[:, 0, 1] = 0.05  # theta'
     rows[1, 0, [0, 5]] = 0.05 * DT  # theta follows theta_d
     slide = answers(feedforward(), rows, joints(1))[1, 0, 0]

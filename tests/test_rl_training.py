@@ -34,11 +34,14 @@ STICTION, REGULATION = "FJRStiction-v0", "FJRRegulation-v0"
 SMALL = Plan(STICTION, "ppo", 3, Design(), robots=4, steps=64, segments=3, validation_seeds=2)
 
 
-@pytest.fixture(autouse=True)
-def short_validation(monkeypatch):
-    """Validation on episodes of 0.2 s: what is tested here is the machinery."""
+@pytest.fixture(autouse=True, scope="module")
+def small_training():
+    """Validation on episodes of 0.2 s and one thread: what is tested here is the machinery."""
     evaluate = fo_gym.evaluate
-    monkeypatch.setattr(training_module, "evaluate", lambda *a, **k: evaluate(*a, **k, duration=0.2))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(training_module, "evaluate", lambda *a, **k: evaluate(*a, **k, duration=0.2))
+        patch.setattr(training_module, "_THREADS", 1)
+        yield
 
 
 class TestEnvironment:
@@ -76,6 +79,7 @@ class TestEnvironment:
             rewards.append(env.step(np.full((1, 1), action))[1][0])
         assert rewards[0] - rewards[1] == pytest.approx(0.05, rel=1e-6)
 
+    @pytest.mark.slow
     def test_episodes_do_not_run_in_step(self):
         """First episodes are cut at random lengths, later ones are whole; the observation after a reset is one."""
         env = TrainingEnv(STICTION, 16, Design())
@@ -124,7 +128,9 @@ class TestEnvironment:
             course_of("CartPole-v1")
 
 
-@pytest.mark.parametrize("algo", ALGOS)
+@pytest.mark.parametrize(
+    "algo", ["ppo", *(pytest.param(algo, marks=pytest.mark.slow) for algo in ALGOS if algo != "ppo")]
+)
 class TestAlgorithms:
     def test_the_exported_network_is_the_actor(self, algo):
         """In deterministic mode, before and after training; it stays odd."""
@@ -140,6 +146,7 @@ class TestAlgorithms:
             model.learn(64)
         assert (np.abs(export(model).weights[0] - network.weights[0]) > 0).any()
 
+    @pytest.mark.slow
     def test_a_killed_run_goes_on_as_if_it_had_not_been(self, algo, tmp_path):
         """Killed in the second segment and started again: the same files, byte for byte."""
         plan = replace(SMALL, algo=algo)
@@ -167,10 +174,7 @@ def test_every_algorithm_has_its_settings():
 def out(tmp_path_factory):
     """The folder of a small finished training."""
     folder = tmp_path_factory.mktemp("train") / "run"
-    with pytest.MonkeyPatch.context() as patch:
-        evaluate = fo_gym.evaluate
-        patch.setattr(training_module, "evaluate", lambda *a, **k: evaluate(*a, **k, duration=0.2))
-        train(SMALL, folder)
+    train(SMALL, folder)
     return folder
 
 
