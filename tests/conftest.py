@@ -7,6 +7,7 @@ from pathlib import Path
 
 import gymnasium as gym
 import pytest
+from hypothesis import HealthCheck, settings
 
 os.environ.setdefault("MUJOCO_GL", "egl")
 
@@ -14,6 +15,12 @@ from entries import Write, write_files
 from pendulum import MakeRobot, write_pendulum
 
 import fo_gym
+
+# Neither the machine's load nor an earlier run decides what Hypothesis tries, or how long it may take.
+settings.register_profile(
+    "repeatable", deadline=None, derandomize=True, database=None, suppress_health_check=[HealthCheck.too_slow]
+)
+settings.load_profile("repeatable")
 
 
 @pytest.fixture

@@ -15,7 +15,7 @@ from fo_gym.reproduction.experiments import Joint
 NO_FRICTION = {"sigma_0": 0.0, "sigma_1": 0.0, "sigma_2": 0.0, "f_c": 0.0, "f_s": 0.0, "v_s": 1.0}
 
 # Hypothesis looks for counterexamples from a fixed seed, so that a red run stays red.
-PROPERTY = settings(max_examples=300, deadline=None, derandomize=True)
+PROPERTY = settings(max_examples=300)
 
 
 # --- Properties of the bristle step, for any parameters ------------------------------------------------------------

@@ -26,7 +26,6 @@ def run(program, folder, **environment):
         env={**variables, "PYTHONPATH": str(ROOT), **environment},
         capture_output=True,
         text=True,
-        timeout=60,
         check=False,
     )
 
