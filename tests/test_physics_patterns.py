@@ -96,17 +96,20 @@ HOLDS = pytest.mark.parametrize("window", [(12.0, 13.0), (19.0, 20.0)], ids=["be
 JOINT_2 = 1
 
 
+@pytest.mark.slow
 @HOLDS
 def test_pd_rests(regulation, window):
     assert travel(regulation["pd-low"], *window, joint=JOINT_2) < 2e-4
 
 
+@pytest.mark.slow
 @HOLDS
 @pytest.mark.parametrize("name", ["letien-low", "letien-high"])
 def test_letien_does_not_come_to_rest(regulation, window, name):
     assert travel(regulation[name], *window, joint=JOINT_2) > 1e-3
 
 
+@pytest.mark.slow
 def test_where_pd_rests_is_chance(regulation):
     """Off the target by the order of a milliradian, and by another amount after the push."""
     run = regulation["pd-low"]
@@ -116,6 +119,7 @@ def test_where_pd_rests_is_chance(regulation):
     assert abs(after - before) > 3e-4
 
 
+@pytest.mark.slow
 def test_everybody_rejects_friction_on_the_square(rejected):
     assert min(rejected.values()) > 0.85
     assert max(rejected, key=rejected.get) == "pid-high"

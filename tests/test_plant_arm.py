@@ -86,6 +86,7 @@ def plant_at(home: np.ndarray, num_envs: int = 1) -> FlexibleJointPlant:
     return plant
 
 
+@pytest.mark.slow
 def test_reference_is_converged(arm: Arm, home: np.ndarray) -> None:
     """Two other families of solvers agree to a hundredth of what the plant is allowed."""
     start, still = rest(arm, home), np.zeros((TICKS, 7))

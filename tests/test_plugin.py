@@ -14,6 +14,7 @@ import pandas as pd
 import pytest
 from tables import SQUARE
 
+pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[1]
 EXAMPLE = ROOT / "examples" / "plugin_compensator"
 PROTOCOL = f"""

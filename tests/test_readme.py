@@ -68,6 +68,7 @@ def test_every_file_that_the_pages_name_exists() -> None:
         assert missing == [], page
 
 
+@pytest.mark.slow
 def test_the_example_of_a_robot() -> None:
     scores = [float(line.split()[2]) for line in run("examples/own_robot.py").splitlines()]
     assert scores[0] == 0.0
@@ -80,5 +81,6 @@ def test_the_example_of_a_compensator() -> None:
     assert rows["frr"][0] > 0.8
 
 
+@pytest.mark.slow
 def test_the_example_of_training() -> None:
     assert re.search(r"mean return .* before, .* after 500 steps", run("examples/train_sb3.py", "--steps", "500"))

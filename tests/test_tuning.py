@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 from fo_gym import make_compensator
 from fo_gym.cli import app
 from fo_gym.evaluation.entry import load_entry
+from fo_gym.evaluation.evaluate import EpisodeSet
 from fo_gym.evaluation.seeds import LEADERBOARD_SEEDS, TRAINING_SEEDS, TUNING_SEEDS, VALIDATION_SEEDS
 from fo_gym.tuning import study as study_module
 from fo_gym.tuning.run import tune
@@ -113,11 +114,13 @@ def astuple(case):
 class TestRuns:
     def test_a_lost_episode_counts_as_lost_however_badly(self, monkeypatch):
         case = Case("pid-high", STICTION, "randomized", 1, 2, 0)
+        monkeypatch.setattr(study_module, "EpisodeSet", lambda *which: EpisodeSet(*which[:3], {"duration": 0.1}))
         monkeypatch.setattr(study_module, "rows", lambda *_: pd.DataFrame({"frr": [0.5, -40.0]}))
         assert study_module._Scorer(case, (1, 2))({"L": 100.0}) == pytest.approx((0.5 - 1.0) / 2)
         monkeypatch.setattr(study_module, "rows", lambda *_: pd.DataFrame({"frr": [0.5, np.nan]}))
         assert study_module._Scorer(case, (1, 2))({"L": 100.0}) == pytest.approx((0.5 - 1.0) / 2)
 
+    @pytest.mark.slow
     def test_the_command_writes_an_entry_that_protocols_take(self, tmp_path):
         arguments = [
             "tune",

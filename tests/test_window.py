@@ -45,6 +45,7 @@ for draw in (env.render, gym.make("FJRStiction-v0", render_mode="human").reset):
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="only on Linux can there be no display")
 def test_without_display_it_runs_and_says_what_drawing_needs(tmp_path):
     result = run(WITHOUT_DISPLAY, tmp_path)
