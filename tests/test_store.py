@@ -23,7 +23,6 @@ from fo_gym.evaluation.store import Store, key_of
 from fo_gym.evaluation.trial import NONE
 from fo_gym.files import csv
 
-pytestmark = pytest.mark.usefixtures("short_episodes")
 MINE = """
 from baselines import LeTienObserver
 
@@ -67,7 +66,7 @@ class First(NamedTuple):
 
 
 @pytest.fixture(scope="module")
-def original(tmp_path_factory: pytest.TempPathFactory) -> First:
+def original(tmp_path_factory: pytest.TempPathFactory, short_episodes: None) -> First:
     folder = tmp_path_factory.mktemp("first")
     (folder / "mine.py").write_text(MINE, encoding="utf-8")
     with pytest.MonkeyPatch.context() as patch:

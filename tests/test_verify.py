@@ -17,7 +17,6 @@ from fo_gym.cli import app
 from fo_gym.evaluation.leaderboard import KEY
 from fo_gym.evaluation.verify import MISMATCH, OTHER, SAME, Comparison, published, sampled
 
-pytestmark = pytest.mark.usefixtures("short_episodes")
 PROTOCOL = f"""
 name = "small"
 split = "validation"
@@ -58,7 +57,7 @@ def run(*arguments: str) -> Outcome:
 
 
 @pytest.fixture(scope="module")
-def original(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def original(tmp_path_factory: pytest.TempPathFactory, short_episodes: None) -> Path:
     """A folder with published results, a submission among them."""
     folder = tmp_path_factory.mktemp("verify")
     (folder / "leaderboard" / "submissions").mkdir(parents=True)
