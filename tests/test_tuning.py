@@ -19,7 +19,7 @@ from fo_gym.tuning.run import tune
 from fo_gym.tuning.space import default_gains, search_space
 from fo_gym.tuning.study import Case, run_study
 
-STICTION = "FJRStiction-v0"
+STICTION, SQUARE = "FJRStiction-v0", "FJRSquare-v0"
 CASE = Case("pid-high", STICTION, "randomized", trials=12, episodes=2, seed=0)
 BEST = {"L": 200.0, "Lp": 40.0, "Li": 300.0}
 
@@ -126,7 +126,7 @@ class TestRuns:
             "tune",
             "letien-high",
             "--env",
-            STICTION,
+            SQUARE,
             "--trials",
             "2",
             "--episodes",
@@ -144,11 +144,11 @@ class TestRuns:
         assert len(outputs[0]) == 3
         entry = load_entry(tmp_path / "1" / "letien-tuned.toml")
         assert (entry.name, entry.spec) == ("letien-tuned", "letien-high")
-        assert set(entry.sets) == {(STICTION, variant) for variant in ("nominal", "randomized", "hardware")}
-        assert entry.gains_on(STICTION, "nominal") == entry.gains_on(STICTION, "randomized")
-        trials = pd.read_csv(tmp_path / "1" / "letien-tuned" / f"{STICTION}-hardware.csv")
+        assert set(entry.sets) == {(SQUARE, variant) for variant in ("nominal", "randomized", "hardware")}
+        assert entry.gains_on(SQUARE, "nominal") == entry.gains_on(SQUARE, "randomized")
+        trials = pd.read_csv(tmp_path / "1" / "letien-tuned" / f"{SQUARE}-hardware.csv")
         chosen = trials.loc[trials["frr_validation"].idxmax(), "L"]
-        assert entry.gains_on(STICTION, "hardware")["L"] == pytest.approx(chosen, rel=1e-5)
+        assert entry.gains_on(SQUARE, "hardware")["L"] == pytest.approx(chosen, rel=1e-5)
 
     def test_progress_is_told(self, synthetic, tmp_path):
         told = []
