@@ -10,8 +10,6 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-import pytest
-
 import fo_gym
 
 ROOT = Path(__file__).parents[1]
@@ -188,7 +186,6 @@ def test_files_are_short() -> None:
     assert {module: length for module, length in lengths.items() if length >= 300} == {}
 
 
-@pytest.mark.slow
 def test_everything_runs_without_a_display(tmp_path: Path) -> None:
     """Each module is imported and an environment stepped where there is no OpenGL."""
     modules = [module for module in SOURCES if not module.startswith("baselines.rl")]
