@@ -45,7 +45,7 @@ def test_the_estimate_is_its_low_pass_of_friction(name):
 
 def test_kimchung_is_a_filtered_pd():
     observations = random_observations(50, 1, 1)
-    theta, theta_dot, _, theta_n, theta_n_dot, _, _ = observations[:, 0].T
+    theta, theta_dot, _, theta_n, theta_n_dot, *_ = observations[:, 0].T
     share = 1.0 - np.exp(-0.3)
     filtered = signal.lfilter([share], [1.0, share - 1.0], theta_n_dot - theta_dot + 100.0 / 3.0 * (theta_n - theta))
     np.testing.assert_allclose(answers(kimchung(), observations, joints(1))[:, 0, 0], -130.0 * filtered, rtol=1e-12)
@@ -56,9 +56,10 @@ def test_kimchung_tau_k():
     observations, info, tie = 1e-3 * random_observations(30, 1, 3), joints(3), 7.0
     with_it = answers(KimChungObserver(100.0, tau_k=True, eps=1e-30, tie=tie), observations, info)[:, 0]
     share, d, d_dot, q_dot, filtered = 1.0 - np.exp(-0.3), np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
-    for k, row in enumerate(observations[:, 0].reshape(-1, 7, 3)):
+    blocks = observations[:, 0, :-1].reshape(-1, 8, 3)
+    for k, row in enumerate(blocks):
         theta, theta_dot, tau_j, theta_n, theta_n_dot = row[:5]
-        previous = observations[max(k - 1, 0), 0].reshape(7, 3)
+        previous = blocks[max(k - 1, 0)]
         q_dot = (1 - share) * q_dot + share * ((theta - previous[0]) - (tau_j - previous[2]) / 3e3) / DT
         e, velocity = theta_n + d - theta, theta_n_dot + d_dot
         filtered = (1 - share) * filtered + share * (velocity - theta_dot + 100.0 / 3.0 * e)
@@ -72,12 +73,13 @@ def test_kimchung_tau_k():
 def test_l1_is_its_state_space_form():
     """Predictor and low-pass as one linear system in discrete time, by SciPy."""
     observations, dt, b = random_observations(60, 1, 1), DT, 1.3
-    inputs = observations[:, 0, [0, 1, 2, 6]]  # theta, theta', tau_j, tau_c
+    inputs = observations[:, 0, [0, 1, 2, 7]]  # theta, theta', tau_j, tau_m
+    inputs[:, 3] = np.roll(inputs[:, 3], -1)  # of the coming period; the last is not looked at
     gain, share = b * 1e4 / (1.0 + 1e4 * dt), 1.0 - np.exp(-0.15)
     sigma_x = -gain * np.array([100.0, 1.0 + 100.0 * dt, 0.0])
     sigma_u = -np.array([*sigma_x[:2], 0.0, 0.0])
     f_x, f_u = share * sigma_x + [0.0, 0.0, 1.0 - share], share * sigma_u
-    a_x, a_u = (sigma_x - f_x) / b, (sigma_u - f_u + [0.0, 0.0, -1.0, 1.0]) / b
+    a_x, a_u = sigma_x / b, np.add(sigma_u, [0.0, 0.0, -1.0, 1.0]) / b
     v_x, v_u = dt * a_x + [0.0, 1.0, 0.0], dt * a_u
     A = np.array([dt * v_x + [1.0, 0.0, 0.0], v_x, f_x])
     system = (A, np.array([dt * v_u, v_u, f_u]), f_x[None], f_u[None], dt)
@@ -93,13 +95,13 @@ def test_supertwisting_solves_its_implicit_equations():
     s, p_hat, before = 0.0, b * observations[0, 0, 1], None
     for row, estimate in zip(observations[:, 0], estimates, strict=True):
         if before is not None:
-            free = p_hat + DT * (before[6] - s - before[2] + s) - b * row[1]
+            free = p_hat + DT * (row[7] - before[2] + s) - b * row[1]
 
             def residual(x, free=free):
                 slow = T1 * np.sqrt(abs(x)) * np.sign(x) + T2 * x + DT * (S1 * np.sign(x) + S2 * x)
                 return x + DT * slow - free
 
-            x = optimize.brentq(residual, -10.0, 10.0, xtol=1e-15)
+            x = optimize.brentq(residual, -10.0, 10.0, xtol=1e-20)
             slope = (free - x - DT * (T1 * np.sqrt(abs(x)) * np.sign(x) + T2 * x)) / DT**2
             s, p_hat = s - DT * slope, b * row[1] + x
         assert estimate == pytest.approx(s, rel=1e-6, abs=1e-7)

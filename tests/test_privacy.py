@@ -68,7 +68,7 @@ def test_it_does_see_what_it_should() -> None:
     signals = Signals.from_observation(np.array([np.arange(10.0)]), 1)
     found = contents(signals, "signals")
     assert found["signals.tau_c"] == 6.0
-    assert found["signals.tau_c.base"].shape == (1, 8)
+    assert found["signals.tau_c.base"].shape == (1, 10)
 
 
 @pytest.mark.parametrize("env_id", DOF)
