@@ -1,4 +1,4 @@
-"""Training: the environment and its reward, the three algorithms, and runs that were killed."""
+"""Training: the three algorithms, what a run leaves, and runs that were killed."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
-import gymnasium as gym
 import numpy as np
 import pandas as pd
 import pytest
@@ -15,12 +14,10 @@ import torch
 from typer.testing import CliRunner
 
 import fo_gym
-from baselines import PIDObserver
 from baselines.rl import Design, LearnedCompensator
 from baselines.rl import training as training_module
 from baselines.rl.algorithms import ALGORITHMS, export, make_model
 from baselines.rl.checkpoint import load_checkpoint
-from baselines.rl.course import COURSES, course_of
 from baselines.rl.environment import TrainingEnv
 from baselines.rl.plan import ALGOS, Plan
 from baselines.rl.storage import load_policy
@@ -42,90 +39,6 @@ def small_training():
         patch.setattr(training_module, "evaluate", lambda *a, **k: evaluate(*a, **k, duration=0.2))
         patch.setattr(training_module, "_THREADS", 1)
         yield
-
-
-class TestEnvironment:
-    def test_the_reward_is_its_formula(self):
-        """Without action: the observer alone on the robot and its twin, run here by hand."""
-        design = Design()
-        env = TrainingEnv(STICTION, 2, design)
-        env.reset(seed=11)
-        course = COURSES[STICTION]
-        arguments = {"num_envs": 2, "variant": "randomized", "randomization": course.randomization}
-        robots = gym.make_vec(STICTION, feedback="nominal", **arguments)
-        twins = gym.make_vec(STICTION, friction=fo_gym.FRICTIONLESS, **arguments)
-        obs, _ = robots.reset(seed=11)
-        twins.reset(seed=11)
-        observer = PIDObserver(design.L, design.Lp, design.Li)
-        observer.reset(robots.unwrapped.joint_info, 2)
-        for step in range(200):
-            _, reward, *_ = env.step(np.zeros((2, 1)))
-            costs = []
-            for _ in range(2):
-                obs, _, _, _, true = robots.step(observer.estimate(fo_gym.Signals.from_observation(obs, 1)))
-                *_, ideal = twins.step(np.zeros((2, 1)))
-                signals = fo_gym.Signals.from_observation(obs, 1)
-                d = np.hypot(true["theta"] - ideal["theta"], 0.1 * (true["theta_dot"] - ideal["theta_dot"]))
-                e = np.abs(signals.theta_n - signals.theta)
-                costs.append((np.log1p(d / 1e-4) + np.log1p(e / 1e-4)) / 2)
-            if step < 5 or step % 50 == 0:
-                np.testing.assert_allclose(reward, -np.mean(costs, axis=0)[:, 0], rtol=1e-6)
-
-    def test_a_change_of_action_costs(self):
-        rewards = []
-        for action in (0.0, 1.0):
-            env = TrainingEnv(STICTION, 1, replace(Design(), bound=1e-9))
-            env.reset(seed=1)
-            rewards.append(env.step(np.full((1, 1), action))[1][0])
-        assert rewards[0] - rewards[1] == pytest.approx(0.05, rel=1e-6)
-
-    @pytest.mark.slow
-    def test_episodes_do_not_run_in_step(self):
-        """First episodes are cut at random lengths, later ones are whole; the observation after a reset is one."""
-        env = TrainingEnv(STICTION, 16, Design())
-        venv = VecEnvAdapter(env)
-        venv.seed(0)
-        venv.reset()
-        length = round(COURSES[STICTION].duration / Design().period)
-        ends = np.zeros((2 * length, 16), dtype=bool)
-        for step in range(2 * length):
-            obs, _, ends[step], infos = venv.step(np.zeros((16, 1)))
-            for i in np.flatnonzero(ends[step]):
-                assert infos[i]["TimeLimit.truncated"]
-                assert infos[i]["terminal_observation"].shape == (9,)
-                assert obs[i, -1] == 0.0
-                assert obs[i, :3].tolist() == [0.0, 0.0, 0.0]
-        first = ends.argmax(axis=0)
-        assert len(set(first)) > 12
-        for i in range(16):
-            assert set(np.diff(np.flatnonzero(ends[:, i]))) <= {length}
-
-    def test_who_leaves_the_range_pays(self):
-        env = TrainingEnv(REGULATION, 2, Design(residual=False, bound=50.0, floor=1.0))
-        env.reset(seed=0)
-        for _ in range(2000):
-            _, reward, terminated, _, _ = env.step(np.ones((14, 1)))
-            if terminated.any():
-                break
-        robot = terminated.reshape(2, 7)
-        assert (robot.all(axis=1) == robot.any(axis=1)).all()
-        assert (reward[terminated] < -20).all()
-        _, _, terminated, _, _ = env.step(np.ones((14, 1)))  # still reported: nobody has reset it yet
-        assert terminated.any()
-        obs, _ = env.reset(options={"reset_mask": terminated})
-        assert not obs[terminated][:, :3].any()
-
-    def test_joints_of_one_robot_are_reset_together(self):
-        env = TrainingEnv(REGULATION, 2, Design())
-        env.reset(seed=0)
-        mask = np.zeros(14, dtype=bool)
-        mask[3] = True
-        with pytest.raises(ValueError, match="joints of one robot"):
-            env.reset(options={"reset_mask": mask})
-
-    def test_an_environment_without_a_course(self):
-        with pytest.raises(ValueError, match=r"no training course for 'CartPole-v1'; there is one for FJRStiction-v0"):
-            course_of("CartPole-v1")
 
 
 @pytest.mark.parametrize(
