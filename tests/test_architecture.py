@@ -202,4 +202,4 @@ print(env.step([0.5])[0].shape)
     environment |= {"MUJOCO_GL": "disable", "PYTHONPATH": str(ROOT)}
     command = [sys.executable, "-W", "error", "-c", program]
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stdout, done.stderr) == (0, "(7,)\n", "")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "(9,)\n", "")
