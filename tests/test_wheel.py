@@ -82,7 +82,7 @@ def test_the_wheel_works_where_there_is_nothing_else(installed: Installed) -> No
         assert f"environment  {name}\n" in listed
 
     *step, file = installed.run("python", "-c", STEP).split()
-    assert step == ["(7,)", "False", "False"]
+    assert step == ["(9,)", "False", "False"]
     assert Path(file).is_relative_to(installed.scripts.parent)
 
     none, observer, ideal = map(float, installed.run("python", "-c", SCORE).split())
