@@ -14,10 +14,11 @@ from tables import SQUARE, STICTION
 from typer.testing import CliRunner
 
 from fo_gym.cli import app
+from fo_gym.evaluation import store
 from fo_gym.evaluation.leaderboard import leaderboard
 from fo_gym.evaluation.protocol import load_protocol
 from fo_gym.evaluation.run import run_protocol
-from fo_gym.files import csv
+from fo_gym.files import atomic, csv
 
 pytestmark = pytest.mark.usefixtures("short_episodes")
 PROTOCOL = f"""
@@ -29,37 +30,15 @@ variants = ["nominal"]
 compensators = ["pd-low", "letien-high", "theirs.py:Calm"]
 """
 THEIRS = """
-import os
-import signal
-from pathlib import Path
-
 from baselines import LeTienObserver
 
 
 class Calm(LeTienObserver):
     def __init__(self):
         super().__init__(80.0)
-
-
-class Stopped(Calm):
-    def reset(self, joints, num_envs):
-        super().reset(joints, num_envs)
-        if not Path("../stopped").exists():
-            Path("../stopped").touch()
-            raise KeyboardInterrupt
-
-
-class Signalled(Calm):
-    def reset(self, joints, num_envs):
-        super().reset(joints, num_envs)
-        if not Path("../signalled").exists():
-            Path("../signalled").touch()
-            os.kill(os.getppid(), signal.SIGINT)
-            signal.pause()
 """
-KILLED = """
+STOPPED = """
 import os
-import signal
 import sys
 from pathlib import Path
 
@@ -71,24 +50,24 @@ from fo_gym.cli import app
 for env_id in fo_gym.ENVIRONMENTS:  # as short as in the test
     gymnasium.spec(env_id).kwargs["duration"] = 1.0
 
-number, share = int(sys.argv.pop(1)), float(sys.argv.pop(1))
+signum, number, share = int(sys.argv.pop(1)), int(sys.argv.pop(1)), float(sys.argv.pop(1))
 write_bytes = Path.write_bytes
 drafts = 0
 
 
-def killed(path, content):
+def stopped(path, content):
     global drafts
     drafts += path.suffix == ".trial"
     if drafts < number:
         return write_bytes(path, content)
     write_bytes(path, content[: int(share * len(content))])
-    os.kill(os.getpid(), signal.SIGKILL)
+    os.killpg(0, signum)
 
 
-Path.write_bytes = killed
+Path.write_bytes = stopped
 app()
 """
-"""The command, killed when so much of the draft of the n-th trial that it keeps is on disk."""
+"""The command, to which and to whose workers a signal comes when so much of the n-th draft of a trial is on disk."""
 
 KILLS = [(1, 0.0), (4, 0.5), (3, 1.0), (3, 0.0)]
 """One after the other, on one store: before anything is kept, within a draft, before it takes its place, after that."""
@@ -123,13 +102,22 @@ def kept(folder: str) -> int:
     return len([path for path in Path(folder).rglob("*.trial") if not path.name.startswith(".")])
 
 
+def stopped(signum: int, number: int, share: float, options: list[str]) -> subprocess.CompletedProcess[str]:
+    """Run the command until it is stopped, in a process group of its own, as a terminal's is."""
+    # What a shell starts in the background, as these tests may be, inherits that Ctrl-C is ignored.
+    attended = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
+    program = [sys.executable, "-c", STOPPED, str(int(signum)), str(number), str(share), *options]
+    return subprocess.run(
+        program, capture_output=True, text=True, check=False, start_new_session=True, preexec_fn=attended
+    )
+
+
 @pytest.mark.slow
 def test_killed_again_and_again_the_result_is_the_same(whole: dict[str, str]) -> None:
     options = ["leaderboard", "--protocol", "small.toml", "--out", "survived", "--store", "survivors", "--jobs", "1"]
     counts = []
     for number, share in KILLS:
-        program = [sys.executable, "-c", KILLED, str(number), str(share), *options]
-        assert subprocess.run(program, capture_output=True, check=False).returncode == -signal.SIGKILL
+        assert stopped(signal.SIGKILL, number, share, options).returncode == -signal.SIGKILL
         counts.append(kept("survivors"))
     assert counts == KEPT
     done = CliRunner().invoke(app, options)
@@ -139,16 +127,25 @@ def test_killed_again_and_again_the_result_is_the_same(whole: dict[str, str]) ->
     assert {name: Path("survived", name).read_text(encoding="utf-8") for name in whole} == whole
 
 
-def only(folder: Path, name: str, compensators: str) -> None:
-    """A protocol on one environment, with these compensators."""
-    content = PROTOCOL.replace(f'"{STICTION}", ', "")
-    (folder / name).write_text(content[: content.index("compensators")] + f"compensators = [{compensators}]\n")
+@pytest.fixture
+def square(folder: Path) -> list[str]:
+    """The command on one environment alone: four runs."""
+    (folder / "square.toml").write_text(PROTOCOL.replace(f'"{STICTION}", ', ""), encoding="utf-8")
+    return ["leaderboard", "--protocol", "square.toml"]
 
 
-def test_an_interrupted_run_says_how_to_go_on(folder: Path) -> None:
-    only(folder, "stopped.toml", '"pd-low", "theirs.py:Stopped", "letien-high"')
-    options = ["leaderboard", "--protocol", "stopped.toml", "--out", "stopped-out", "--store", "kept", "--jobs", "1"]
-    first = CliRunner().invoke(app, options)
+def test_an_interrupted_run_says_how_to_go_on(square: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Interrupted when none, ideal and the first competitor are kept."""
+    options = [*square, "--out", "stopped-out", "--store", "kept", "--jobs", "1"]
+
+    def stop(path: Path, content: bytes) -> None:
+        if kept("kept") == 3:
+            raise KeyboardInterrupt
+        atomic(path, content)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(store, "atomic", stop)
+        first = CliRunner().invoke(app, options)
     assert first.exit_code == 130
     assert "interrupted; finished runs are kept in kept, the same command goes on with them" in first.stderr
     assert kept("kept") == 3
@@ -161,19 +158,14 @@ def test_an_interrupted_run_says_how_to_go_on(folder: Path) -> None:
 
 
 @pytest.mark.slow
-def test_ctrl_c_ends_the_workers_too(folder: Path) -> None:
-    """As the terminal does it, but at a moment that a worker chooses."""
-    only(folder, "small-signalled.toml", '"theirs.py:Signalled", "pd-low"')
-    options = ["--protocol", "small-signalled.toml", "--out", "signalled-out", "--store", "kept", "--jobs", "2"]
-    arguments = [sys.executable, "-m", "fo_gym.cli", "leaderboard", *options]
-    # What a shell starts in the background, as these tests may be, inherits that Ctrl-C is ignored.
-    attended = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
-    first = subprocess.run(
-        arguments, capture_output=True, text=True, check=False, start_new_session=True, preexec_fn=attended
-    )
+def test_ctrl_c_ends_the_workers_too(square: list[str]) -> None:
+    """As the terminal does it, when the first of three competitors on two workers is done."""
+    options = [*square, "--out", "signalled-out", "--store", "signalled", "--jobs"]
+    first = stopped(signal.SIGINT, 3, 0.0, [*options, "2"])
     assert first.returncode == 130, first.stderr
-    assert "interrupted; finished runs are kept in kept" in first.stderr
+    assert "interrupted; finished runs are kept in signalled" in first.stderr
     assert "Traceback" not in first.stderr
-    second = CliRunner().invoke(app, ["leaderboard", *options[:-1], "1"])
+    assert kept("signalled") == 2
+    second = CliRunner().invoke(app, [*options, "1"])
     assert second.exit_code == 0, second.stderr
     assert Path("signalled-out", "leaderboard.csv").is_file()
