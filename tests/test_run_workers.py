@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import pytest
+from dying import ANSWERS, answer, tasks
 from tables import SQUARE
 
+from fo_gym.evaluation.backends import Processes
 from fo_gym.evaluation.leaderboard import leaderboard
 from fo_gym.evaluation.protocol import Protocol
-from fo_gym.evaluation.run import run_protocol
+from fo_gym.evaluation.run import ENDED, run_protocol
+from fo_gym.evaluation.trial import competitor_trial
 from fo_gym.files import csv
 
 pytestmark = pytest.mark.slow
@@ -63,3 +68,22 @@ def test_a_competitor_that_ends_its_process_fails_alone(theirs: str) -> None:
     assert table["status"].to_dict() == {"none": "ok", "ideal": "ok", "pd-low": "ok", spec: "failed", "pd-high": "ok"}
     assert table.loc[spec, "error"].endswith("it ended the process that it ran in, with exit status 1")
     assert table.loc["pd-high", "frr"] > table.loc["pd-low", "frr"]
+
+
+def test_a_killed_worker_costs_nothing_but_time(tmp_path: Path) -> None:
+    assert dict(Processes(2).run(answer, tasks(str(tmp_path)))) == ANSWERS
+
+
+class Losing:
+    """Work in this process, in which the second competitor is lost each time it is tried."""
+
+    def run(self, function: Callable[..., Any], tasks: Sequence[tuple[Any, ...]]) -> Iterator[tuple[int, Any]]:
+        for place, task in enumerate(tasks):
+            yield place, None if (function, place) == (competitor_trial, 1) else function(*task)
+
+
+def test_who_is_lost_with_his_process_has_failed_rows() -> None:
+    protocol = Protocol("lost", "validation", 1, (SQUARE,), ("nominal",), ("pd-low", "pd-high", "pid-high"))
+    table = run_protocol(protocol, backend=Losing()).episodes.set_index("compensator")
+    assert table["status"].drop("pd-high").unique().tolist() == ["ok"]
+    assert table.loc["pd-high", ["status", "error"]].tolist() == ["failed", ENDED]
