@@ -31,6 +31,7 @@ def test_the_tables_are_the_published_ones(page: str) -> None:
     assert run("-c", f"import sys; sys.path.insert(0, 'docs'); {program}") == published
 
 
+@pytest.mark.slow
 def test_the_compensator_of_the_readme_is_scored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "mine.py").write_text(BLOCKS[0], encoding="utf-8")
     assert len(BLOCKS[0].strip().splitlines()) <= 12
@@ -75,6 +76,7 @@ def test_the_example_of_a_robot() -> None:
     assert 0.5 < scores[1] < scores[2] < 1.0
 
 
+@pytest.mark.slow
 def test_the_example_of_a_compensator() -> None:
     rows = fo_gym.evaluate(f"{ROOT / 'examples' / 'bang_bang.py'}:BangBang", "FJRStiction-v0")
     assert rows["status"].tolist() == ["ok"]

@@ -89,6 +89,7 @@ def change(how: Callable[[pd.DataFrame], pd.DataFrame]) -> None:
     how(published(Path("out"))).to_csv("out/episodes.csv", index=False)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("folder")
 def test_what_was_published_is_computed_again() -> None:
     """Failed rows and submissions included."""

@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 ROUGHNESS_WEIGHT = 0.05
 ENDING_COST = 20.0
 VELOCITY_TIME = 0.1
-_FOREVER = 1e6
+_FOREVER = 1e5
 
 __all__ = ["REWARD", "TrainingEnv"]
 
