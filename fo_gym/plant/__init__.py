@@ -1,6 +1,9 @@
 """The plant: MuJoCo's rigid body, and our own step for motors, springs and friction."""
 
+from fo_gym.plant.log import keep_off_disk
 from fo_gym.plant.plant import FlexibleJointPlant, PlantState
 from fo_gym.plant.robot import Robot
+
+keep_off_disk()
 
 __all__ = ["FlexibleJointPlant", "PlantState", "Robot"]
