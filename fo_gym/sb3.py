@@ -11,13 +11,14 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
 from fo_gym.checks import text
+from fo_gym.extras import install_command
 from fo_gym.generators import seed_number
 
 try:
     from stable_baselines3.common.vec_env import VecEnv
     from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvStepReturn
 except ModuleNotFoundError as error:
-    raise ModuleNotFoundError(f"{error}; fo_gym.sb3 needs: pip install 'fo-gym[rl]'", name=error.name) from error
+    raise ModuleNotFoundError(f"{error}; fo_gym.sb3 needs: {install_command('rl')}", name=error.name) from error
 
 __all__ = ["VecEnvAdapter", "make_vec_env"]
 

@@ -24,7 +24,7 @@ TREES = {module: ast.parse(path.read_text(encoding="utf-8")) for module, path in
 # Data flows one way: a part imports from its own and from those before it. Parts on one line are equals that do not
 # know each other.
 FLOW = (
-    ("envs_assets", "fo_gym.checks", "fo_gym.text"),
+    ("envs_assets", "fo_gym.checks", "fo_gym.extras", "fo_gym.text"),
     ("fo_gym.generators", "fo_gym.parameters", "fo_gym.sensors"),
     ("fo_gym.hardware",),
     ("fo_gym.plant",),
@@ -40,7 +40,7 @@ FLOW = (
 )
 LEVEL = {part: level for level, parts in enumerate(FLOW) for part in parts}
 # What plug-ins may build on: the package itself, and what its own parts share.
-PUBLIC = ("fo_gym", "fo_gym.checks", "fo_gym.console", "fo_gym.files", "fo_gym.sb3")
+PUBLIC = ("fo_gym", "fo_gym.checks", "fo_gym.console", "fo_gym.extras", "fo_gym.files", "fo_gym.sb3")
 MODERN_RANDOM = {"Generator", "BitGenerator", "SeedSequence", "default_rng", "PCG64"}
 
 

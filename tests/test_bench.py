@@ -19,6 +19,7 @@ from fo_gym.bench.measure import Subject, calls_per_slice, interleaved, seconds,
 from fo_gym.bench.report import counts, page, write_bench
 from fo_gym.bench.run import BARS, FULL, QUICK, Size, bench, count, verdict
 from fo_gym.cli import app
+from fo_gym.extras import install_command
 
 STICTION, REGULATION, SQUARE = IDS
 ROWS = [
@@ -238,7 +239,7 @@ def test_a_missing_peer_is_a_row_that_says_so(monkeypatch: pytest.MonkeyPatch, t
     missing = table.iloc[-1]
     assert missing[["ratio", "q1", "q3", "ours_us", "peer_us"]].isna().all()
     assert missing["verdict"].startswith("not measured: ")
-    assert "pip install 'fo-gym[rl]'" in missing["verdict"]
+    assert install_command("rl") in missing["verdict"]
     assert table["ratio"].notna().sum() == 5
     assert "not measured: " in page(table)
     write_bench(table, tmp_path)

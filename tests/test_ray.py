@@ -16,6 +16,7 @@ from fo_gym.evaluation import backends
 from fo_gym.evaluation.leaderboard import leaderboard
 from fo_gym.evaluation.protocol import load_protocol
 from fo_gym.evaluation.run import run_protocol
+from fo_gym.extras import install_command
 from fo_gym.files import csv
 
 PROTOCOL = f"""
@@ -82,7 +83,7 @@ def test_without_ray_it_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> N
     result = CliRunner().invoke(app, ["leaderboard", "--protocol", "small.toml", "--backend", "ray"])
     assert result.exit_code == 2
     assert result.stdout == ""
-    assert "pip install 'fo-gym[ray]'" in result.stderr
+    assert install_command("ray") in result.stderr
     assert result.stderr.count("\n") == 1
 
 

@@ -24,6 +24,7 @@ from baselines.rl.storage import load_policy
 from baselines.rl.training import train
 from fo_gym.cli import app
 from fo_gym.evaluation.seeds import TRAINING_SEEDS
+from fo_gym.extras import install_command
 from fo_gym.sb3 import VecEnvAdapter
 
 pytestmark = pytest.mark.usefixtures("one_torch_thread")
@@ -204,4 +205,4 @@ class TestCommand:
         monkeypatch.setitem(__import__("sys").modules, "baselines.rl.training", None)
         done = CliRunner().invoke(app, ["train", "--out", str(tmp_path)])
         assert done.exit_code == 2
-        assert "pip install 'fo-gym[rl]'" in done.output
+        assert install_command("rl") in done.output

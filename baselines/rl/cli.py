@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 import typer
 
 from fo_gym.console import Stop, check_folder, progress_bar, tell_written
+from fo_gym.extras import install_command
 
 __all__ = ["train"]
 
@@ -41,7 +42,7 @@ def train(
         from baselines.rl.algorithms import ALGORITHMS  # noqa: PLC0415 (torch is heavy, and nothing else needs it)
         from baselines.rl.training import train as run  # noqa: PLC0415
     except ModuleNotFoundError as error:
-        raise Stop(f"{error}; install what `fo-gym train` needs with: pip install 'fo-gym[rl]'") from error
+        raise Stop(f"{error}; install what `fo-gym train` needs with: {install_command('rl')}") from error
     from baselines.rl.course import course_of  # noqa: PLC0415
     from baselines.rl.design import Design  # noqa: PLC0415
     from baselines.rl.plan import Plan  # noqa: PLC0415

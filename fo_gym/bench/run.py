@@ -22,6 +22,7 @@ from fo_gym.bench.subjects import (
     some_beside_mujoco,
 )
 from fo_gym.evaluation.provenance import versions
+from fo_gym.extras import install_command
 
 BATCH, SINGLE, THROUGHPUT = "batch", "single", "throughput"
 """What is measured: the time of a batch's step, of one environment's step; steps per second of many environments."""
@@ -177,7 +178,7 @@ def _rows(env_id: str, group: _Group, size: Size) -> list[dict[str, object]]:
             ours, *theirs = interleaved(subjects, size.repeats, size.slice_seconds).T
     except ModuleNotFoundError as error:  # Stable-Baselines3 is heavy, and nothing else here needs it
         nothing = np.full(1, np.nan)
-        reason = f"{NOT_MEASURED}: {error}; install it with: pip install 'fo-gym[rl]'"
+        reason = f"{NOT_MEASURED}: {error}; install it with: {install_command('rl')}"
         return [_row(env_id, group, peer, nothing, nothing) | {"verdict": reason} for peer in group.peers]
     return [_row(env_id, group, peer, ours, times) for peer, times in zip(group.peers, theirs, strict=True)]
 

@@ -11,6 +11,8 @@ from typing import Any, Literal, Protocol, TypeVar
 from joblib import Parallel, cpu_count, delayed
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
+from fo_gym.extras import install_command
+
 T = TypeVar("T")
 Task = tuple[Any, ...]
 Name = Literal["joblib", "ray"]
@@ -129,7 +131,7 @@ def _ray_workers(jobs: int, address: str | None) -> Iterator[RayWorkers]:
     try:
         ray = importlib.import_module("ray")
     except ModuleNotFoundError as error:
-        raise BackendError(f"{error}; install what --backend ray needs with: pip install 'fo-gym[ray]'") from error
+        raise BackendError(f"{error}; install what --backend ray needs with: {install_command('ray')}") from error
     local = {"num_cpus": cpu_count() if jobs < 0 else jobs, "include_dashboard": False}
     try:
         ray.init(address=address or "local", log_to_driver=False, logging_level="ERROR", **({} if address else local))
