@@ -11,7 +11,7 @@ from tables import SIX, SQUARE, STICTION
 from fo_gym import ENVIRONMENTS
 from fo_gym.evaluation.protocol import Protocol, load_protocol, shipped_protocols
 from fo_gym.evaluation.run import competitors_of
-from fo_gym.tasks.task import VARIANTS
+from fo_gym.tasks.variants import VARIANTS
 
 SMALL = Protocol("small", "validation", 2, (SQUARE,), ("nominal", "randomized"), ("pid-low", "pd-low"))
 TOML = """

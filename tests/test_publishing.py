@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import typer
 import yaml
 
 import fo_gym
@@ -16,14 +17,14 @@ from fo_gym.evaluation import seeds
 from fo_gym.evaluation.entry import load_entry
 from fo_gym.evaluation.leaderboard import STANDING
 from fo_gym.evaluation.protocol import shipped_protocols
-from fo_gym.tasks.task import VARIANTS
+from fo_gym.tasks.variants import VARIANTS
 
 ROOT = Path(__file__).parents[1]
 WORKFLOWS = sorted((ROOT / ".github" / "workflows").glob("*.yml"))
 PAGE = (ROOT / "docs" / "protocol.md").read_text(encoding="utf-8")
 TARGETS = set(re.findall(r"^([\w$()./-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
 TARGETS |= {target.replace("$(VENV)", ".venv") for target in TARGETS}
-COMMANDS = {command.name for command in app.registered_commands}
+COMMANDS = set(typer.main.get_command(app).commands)
 
 
 def read(path: Path) -> Any:

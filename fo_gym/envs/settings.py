@@ -11,7 +11,8 @@ from fo_gym.hardware import Hardware, SensorModel
 from fo_gym.parameters import FlexibleJoint, ImpedanceGains, LuGre, PDGains
 from fo_gym.plant.steps import PhysicsDt, is_auto, micro_steps
 from fo_gym.sensors import TIERS
-from fo_gym.tasks.task import VARIANTS, Randomization, Task
+from fo_gym.tasks.task import Randomization, Task
+from fo_gym.tasks.variants import VARIANTS
 
 ACTION_MODES = ("compensation", "torque")
 FEEDBACKS = ("measured", "nominal")

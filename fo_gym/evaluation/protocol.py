@@ -14,7 +14,7 @@ from gymnasium.envs.registration import registry
 
 from fo_gym.checks import choice, text
 from fo_gym.evaluation.seeds import LEADERBOARD_SEEDS, VALIDATION_SEEDS, first
-from fo_gym.tasks.task import VARIANTS
+from fo_gym.tasks.variants import VARIANTS
 
 SPLITS = {"leaderboard": LEADERBOARD_SEEDS, "validation": VALIDATION_SEEDS}
 

@@ -20,7 +20,7 @@ from fo_gym.evaluation.protocol import known_environments, load_protocol, shippe
 from fo_gym.evaluation.provenance import is_provenance
 from fo_gym.evaluation.run import Contest, OnRun, run_contests
 from fo_gym.files import csv, read_csv
-from fo_gym.tasks.task import VARIANTS
+from fo_gym.tasks.variants import VARIANTS
 
 SAME, MISMATCH, OTHER = "same", "mismatch", "of other versions"
 """Verdicts on a row: the same text; another one, under the same versions; another one, under other versions."""

@@ -18,9 +18,8 @@ from fo_gym.tasks.scenario import Push, Scenario
 Array = NDArray[np.float64]
 Range = tuple[float, float]
 
-VARIANTS = ("nominal", "randomized", "hardware")
 
-__all__ = ["VARIANTS", "Randomization", "Task", "draw_scenario"]
+__all__ = ["Randomization", "Task", "draw_scenario"]
 
 
 @dataclass(frozen=True)
