@@ -1,17 +1,18 @@
 """fo-gym: the benchmark for friction compensation on flexible robot joints.
 
-Importing this package registers FJRStiction-v0, FJRRegulation-v0 and FJRSquare-v0 with Gymnasium.
+Importing this package registers FJRStiction-v0, FJRRegulation-v0 and FJRSquare-v0 with Gymnasium. What needs MuJoCo,
+Numba or pandas is imported when it is first used.
 """
+
+from importlib import import_module
+from typing import TYPE_CHECKING
 
 from gymnasium.envs.registration import register
 
 from fo_gym.compensators import Compensator, CompensatorError, list_compensators, make_compensator
-from fo_gym.envs.settings import Settings
-from fo_gym.evaluation.evaluate import evaluate
 from fo_gym.hardware import Hardware, SensorModel
 from fo_gym.parameters import FRICTIONLESS, FlexibleJoint, ImpedanceGains, JointInfo, LuGre, PDGains
 from fo_gym.sensors import Signals
-from fo_gym.tasks.task import Randomization
 
 __version__ = "0.1.0"
 
@@ -40,4 +41,27 @@ __all__ = [
     "evaluate",
     "list_compensators",
     "make_compensator",
+    "sweep",
 ]
+
+if TYPE_CHECKING:
+    from fo_gym.envs.settings import Settings
+    from fo_gym.evaluation.evaluate import evaluate
+    from fo_gym.evaluation.sweep import sweep
+    from fo_gym.tasks.task import Randomization
+else:
+    _LATER = {
+        "Randomization": "fo_gym.tasks.task",
+        "Settings": "fo_gym.envs.settings",
+        "evaluate": "fo_gym.evaluation.evaluate",
+        "sweep": "fo_gym.evaluation.sweep",
+    }
+
+    def __getattr__(name):
+        if name not in _LATER:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        globals()[name] = getattr(import_module(_LATER[name]), name)
+        return globals()[name]
+
+    def __dir__():
+        return sorted({*globals(), *__all__})

@@ -9,7 +9,8 @@ import inspect
 import math
 import sys
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
+from functools import lru_cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
@@ -85,10 +86,16 @@ def _is_own(entry: EntryPoint) -> bool:
     return entry.dist is not None and entry.dist.name == _OURS
 
 
+@lru_cache(maxsize=4)
+def _registered(read: Callable[..., Iterable[EntryPoint]], path: tuple[str, ...]) -> list[EntryPoint]:
+    """What is installed in the folders of `path`, read once: that takes far longer than to make a compensator."""
+    return sorted(read(group=GROUP), key=lambda entry: entry.name)
+
+
 def _plug_ins() -> dict[str, tuple[EntryPoint, ...]]:
     """Registered names and what each stands for; a name that two plug-ins claim has both, ours nobody else can."""
     found: dict[str, dict[str, EntryPoint]] = {}
-    registered = sorted(entry_points(group=GROUP), key=lambda entry: entry.name)
+    registered = _registered(entry_points, tuple(sys.path))
     ours = {entry.name for entry in registered if _is_own(entry)}
     for entry in registered:
         if entry.name in BUILT_IN or (entry.name in ours and not _is_own(entry)):
@@ -138,7 +145,7 @@ def _factory(spec: str) -> Any:
             raise ValueError(f"two plug-ins are called {spec!r}: {both}; name one of them as module:Class")
         return plug_ins[spec][0].load()
     where, _, attribute = spec.rpartition(":")
-    if not where or not attribute or where.startswith("."):
+    if not where or not attribute or (where.startswith(".") and not where.endswith(".py")):
         known = ", ".join(list_compensators())
         raise ValueError(f"unknown compensator {spec!r}; registered are {known}; or name module:Class or file.py:Class")
     if where.endswith(".py"):
@@ -160,6 +167,33 @@ def _factory(spec: str) -> Any:
     return factory
 
 
+def _gain_names(factory: Any) -> list[str] | None:
+    """Keyword arguments of a class, or of the class of what a function makes; None where they cannot be told."""
+    try:
+        while True:
+            parameters = inspect.signature(factory).parameters
+            if all(parameter.kind is not parameter.VAR_KEYWORD for parameter in parameters.values()):
+                return list(parameters)
+            if inspect.isclass(factory):
+                return None
+            factory = type(factory())
+    except Exception:  # it is anybody's code
+        return None
+
+
+def _made(spec: str, factory: Any, gains: Mapping[str, Any]) -> Any:
+    """What the factory makes of the gains; a TypeError names those there are where one is not among them."""
+    try:
+        return factory(**gains)
+    except TypeError:
+        known = _gain_names(factory) if gains else None
+        unknown = [] if known is None else [name for name in gains if name not in known]
+        if not unknown:
+            raise
+        there = f"it takes {', '.join(known or ['none'])}"
+        raise TypeError(f"compensator {spec!r} has no gain {unknown[0]!r}; {there}") from None
+
+
 def make_compensator(spec: str, **gains: Any) -> Compensator:
     """Make a compensator, in this process: whatever code `spec` names runs here (`evaluate` has it run elsewhere).
 
@@ -174,7 +208,7 @@ def make_compensator(spec: str, **gains: Any) -> Compensator:
     """
     text("compensator", spec)
     try:
-        candidate = _factory(spec)(**gains)
+        candidate = _made(spec, _factory(spec), gains)
     except (ValueError, TypeError):
         raise
     except (Exception, SystemExit) as error:

@@ -91,6 +91,12 @@ def test_the_hash_covers_a_file_that_a_gain_names(write: Write) -> None:
     assert hashes[0] != hashes[1]
 
 
+def test_what_stands_there_for_type_checkers_alone_does_not_count(write: Write) -> None:
+    imports = "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    import pandas\nelse:\n    import numpy\n"
+    assert set(content_of(f"{write(mine_py=imports + MINE)}:Mine").versions) == {"numpy"}
+    assert set(content_of(f"{write(mine_py='import pandas')}:Mine").versions) == {"pandas"}
+
+
 def test_the_suite_is_everything_that_computes() -> None:
     files = set(suite().files)
     root = Path(fo_gym.__file__).parent

@@ -14,8 +14,8 @@ from typer.testing import CliRunner
 import fo_gym
 from fo_gym.cli import app
 from fo_gym.evaluation import entry
-from fo_gym.evaluation.competitor import BASELINE, REFERENCE, SUBMISSION, Competitor
-from fo_gym.evaluation.entry import check_names, competitor_of, load_entry, submissions_in
+from fo_gym.evaluation.competitor import BASELINE, REFERENCE, SUBMISSION, YOURS, Competitor
+from fo_gym.evaluation.entry import check_names, competitor_of, handed_over, load_entry, submissions_in
 from fo_gym.evaluation.protocol import Protocol
 from fo_gym.evaluation.run import run_protocol
 
@@ -169,3 +169,29 @@ def test_submissions_leave_the_rows_of_the_others_alone(write: Write) -> None:
     with_them = run_protocol(PROTOCOL, submissions=submissions_in(Path(".."))).episodes
     others = with_them[with_them["origin"] != SUBMISSION]
     pd.testing.assert_frame_equal(others, run_protocol(PROTOCOL).episodes, check_exact=True)
+
+
+# What a user hands over
+
+
+def test_what_a_user_hands_over_is_theirs_unless_it_ships_as_it_is(write: Write) -> None:
+    path = write(theirs_toml=ENTRY, mine_py=MINE)
+    spec = f"{path.parent / 'mine.py'}:Mine"
+    origins = {text: handed_over(text, {}).origin for text in ("none", "pid-high", "pid-tuned", str(path), spec)}
+    assert list(origins.values()) == [REFERENCE, BASELINE, BASELINE, YOURS, YOURS]
+    for text in ("pid-high", "pid-tuned"):
+        changed = handed_over(text, {"L": 70, "Li": 49.0})
+        assert (changed.name, changed.origin) == (f"{text} L=70 Li=49", YOURS)
+    entry = handed_over(str(path), {"L": 70.0}, "mine")
+    assert entry.name == "mine"
+    assert entry.gains_on(SQUARE, "randomized") == entry.gains_on(SQUARE, "nominal") == {"L": 70.0}
+
+
+def test_gains_that_there_are_not_are_told(write: Write) -> None:
+    spec = f"{write(mine_py=MINE).parent / 'mine.py'}:Mine"
+    for name, there in ((spec, "L, gain"), ("pid-high", "L, Lp, Li"), ("baselines.kim2019:PDObserver", "L, Lp")):
+        with pytest.raises(TypeError, match=rf"{name!r} has no gain 'x'; it takes {there}$"):
+            fo_gym.make_compensator(name, x=1.0)
+    (Path("nothing.py")).write_text("class Nothing:\n    pass\n", encoding="utf-8")
+    with pytest.raises(TypeError, match="has no gain 'x'; it takes none"):
+        fo_gym.make_compensator("nothing.py:Nothing", x=1.0)

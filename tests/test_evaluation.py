@@ -14,8 +14,12 @@ import pandas as pd
 import pytest
 from tables import KEYS, PACKAGES, PROVENANCE, SIX, STICTION
 
-from fo_gym import FRICTIONLESS, evaluate
+from fo_gym import ENVIRONMENTS, FRICTIONLESS, evaluate
+from fo_gym.evaluation.entry import competitor_of
+from fo_gym.evaluation.evaluate import EpisodeSet
+from fo_gym.evaluation.meeting import meet
 from fo_gym.evaluation.metrics import METRICS
+from fo_gym.evaluation.recording import record
 from fo_gym.evaluation.seeds import LEADERBOARD_SEEDS, TRAINING_SEEDS, VALIDATION_SEEDS, first
 
 # evaluate
@@ -25,6 +29,15 @@ from fo_gym.evaluation.seeds import LEADERBOARD_SEEDS, TRAINING_SEEDS, VALIDATIO
 def scores() -> dict[str, pd.DataFrame]:
     """Everybody on the first half second of the single link."""
     return {name: evaluate(name, STICTION, duration=0.5) for name in ("none", "ideal", *SIX)}
+
+
+def test_a_meeting_is_short_everywhere(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever an environment does later, the first moments of its episodes can be run."""
+    ticks = []
+    monkeypatch.setattr("fo_gym.evaluation.evaluate.record", lambda *run: ticks.append(record(*run).ended.tolist()))
+    for env_id in ENVIRONMENTS:
+        meet(competitor_of("pid-high"), EpisodeSet(env_id, "hardware", (1, 2), {}))
+    assert ticks == [[50]] * len(ENVIRONMENTS)
 
 
 def test_columns_and_their_order(scores: dict[str, pd.DataFrame]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -16,8 +16,8 @@ from fo_gym.evaluation.guard.limits import Limits
 from fo_gym.evaluation.guard.proxy import Guarded
 
 BASELINE, SUBMISSION, YOURS, REFERENCE = "baseline", "submission", "yours", "reference"
-"""Where a competitor comes from: the protocol, the folder of submissions, who runs the command, or the suite itself
-(`none`, `ideal`)."""
+"""Where a competitor comes from: the protocol, the folder of submissions, the user of `fo-gym evaluate` or `sweep`, or
+the suite itself (`none`, `ideal`)."""
 
 Gains = Mapping[str, Any]
 """Keyword arguments of a compensator."""
@@ -59,6 +59,13 @@ class Competitor:
     def guarded(self) -> bool:
         """Whether it runs in a process of its own: submissions do, and whatever is not the project's own code."""
         return self.origin == SUBMISSION or not is_ours(self.spec)
+
+    def with_gains(self, gains: Gains) -> Competitor:
+        """The same with some gains replaced, everywhere: a competitor of the user's, which its name tells."""
+        sets = {where: {**own, **gains} for where, own in self.sets.items()}
+        words = (f"{key}={str(value).removesuffix('.0')}" for key, value in gains.items())
+        name = " ".join([self.name, *words])
+        return replace(self, name=name, origin=YOURS, gains={**self.gains, **gains}, sets=sets)
 
     def make(self, env_id: str, variant: str) -> Compensator:
         """The compensator with its gains there, or what stands for it here. Raises as `make_compensator` does."""

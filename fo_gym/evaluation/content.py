@@ -95,9 +95,19 @@ def _tree(path: Path) -> ast.AST:
         return ast.Module([], [])
 
 
+def _run_nodes(node: ast.AST) -> Iterator[ast.AST]:
+    """All nodes that are run: without what stands there for type checkers alone."""
+    yield node
+    children: Iterable[ast.AST] = ast.iter_child_nodes(node)
+    if isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING":
+        children = node.orelse
+    for child in children:
+        yield from _run_nodes(child)
+
+
 def _imports(path: Path, package: str) -> Iterator[str]:
     """Names of what a file imports, modules or not: `from a import b` may mean a.b."""
-    for node in ast.walk(_tree(path)):
+    for node in _run_nodes(_tree(path)):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):

@@ -18,22 +18,31 @@ gains = { L = 60.0 }
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from fo_gym.compensators import BUILT_IN
-from fo_gym.evaluation.competitor import BASELINE, REFERENCE, SUBMISSION, Competitor, Gains
+from fo_gym.compensators import BUILT_IN, is_ours
+from fo_gym.evaluation.competitor import BASELINE, REFERENCE, SUBMISSION, YOURS, Competitor, Gains
 from fo_gym.evaluation.protocol import known_environments, read_toml
-from fo_gym.tasks.task import VARIANTS
+from fo_gym.tasks.variants import VARIANTS
 from fo_gym.text import one_line
 
 _NEEDED, _ALLOWED = ("spec", "authors", "link"), ("name", "gains", "sets")
 _WORDS: Mapping[type, str] = {str: "text", list: "list", dict: "table"}
 
-__all__ = ["check_names", "competitor_of", "load_entry", "shipped_entries", "submissions_in"]
+__all__ = [
+    "check_authors",
+    "check_name",
+    "check_names",
+    "competitor_of",
+    "handed_over",
+    "load_entry",
+    "shipped_entries",
+    "submissions_in",
+]
 
 
 def shipped_entries() -> dict[str, Path]:
@@ -56,6 +65,28 @@ def competitor_of(text: str) -> Competitor:
     if text in shipped or text.endswith(".toml"):
         return load_entry(shipped.get(text, Path(text)))
     return Competitor(text, text, REFERENCE if text in BUILT_IN else BASELINE)
+
+
+def handed_over(text: str, gains: Gains, name: str | None = None) -> Competitor:
+    """What a user hands over to be scored beside others: the same as `competitor_of`, with gains and a name.
+
+    Args:
+        text: as `competitor_of` takes it.
+        gains: replace its own.
+        name: what to call it; by default its own name and those gains.
+
+    Returns:
+        The competitor, with the origin "yours" where it is not one that the project ships as it is.
+
+    Raises:
+        ValueError: an entry cannot be read or is not allowed, or the name is not.
+    """
+    found = competitor_of(text)
+    if gains:
+        found = found.with_gains(gains)
+    elif not (text in shipped_entries() or is_ours(text)):
+        found = replace(found, origin=YOURS)
+    return found if name is None else replace(found, name=check_name("--name", name))
 
 
 def submissions_in(folder: Path) -> tuple[Competitor, ...]:
@@ -91,18 +122,16 @@ def load_entry(path: Path) -> Competitor:
     for key, kind in (("spec", str), ("link", str), ("name", str), ("authors", list), ("gains", dict), ("sets", list)):
         if not isinstance(content.get(key, kind()), kind):
             raise ValueError(f"entry {path}: {key} is {content[key]!r}; it must be a {_WORDS[kind]}")
-    authors = content["authors"]
-    if not authors or not all(isinstance(author, str) and author.isprintable() for author in authors):
-        raise ValueError(f"entry {path}: authors is {authors!r}; give at least one name, each a line of text")
+    authors = check_authors(f"entry {path}: authors", content["authors"])
     link = content["link"]
     if link and not re.fullmatch(r"https?://[!#-;=?-Z_a-z~]+", link):
         raise ValueError(f'entry {path}: link is {link!r}; give an address https://..., or ""')
     return Competitor(
-        name=_name(path, content.get("name", path.stem)),
+        name=check_name(f"entry {path}: name", content.get("name", path.stem)),
         spec=_spec(path, content["spec"]),
         gains=_gains(path, content.get("gains", {})),
         sets=_sets(path, content.get("sets", [])),
-        authors=tuple(authors),
+        authors=authors,
         link=link,
     )
 
@@ -120,13 +149,22 @@ def _check_keys(
         )
 
 
-def _name(path: Path, name: str) -> str:
+def check_name(what: str, name: str) -> str:
+    """A name that tables and files can bear. Raises ValueError for another one; `what` says where it stands."""
     if name in BUILT_IN or not re.fullmatch(r"[\w.+-]+( [\w.+-]+)*", name):
         raise ValueError(
-            f"entry {path}: name is {name!r}; give letters, digits and . _ + - with single spaces between, and neither "
-            f"of the references {', '.join(BUILT_IN)}"
+            f"{what} is {name!r}; give letters, digits and . _ + - with single spaces between, and neither of the "
+            f"references {', '.join(BUILT_IN)}"
         )
     return name
+
+
+def check_authors(what: str, authors: Sequence[object]) -> tuple[str, ...]:
+    """Those who made it. Raises ValueError where there is none, or one is not a line of text."""
+    names = tuple(author for author in authors if isinstance(author, str) and author.strip() and author.isprintable())
+    if not names or len(names) < len(authors):
+        raise ValueError(f"{what} is {list(authors)!r}; give at least one name, each a line of text")
+    return names
 
 
 def _spec(path: Path, spec: str) -> str:

@@ -19,11 +19,22 @@ from fo_gym.evaluation.provenance import provenance
 from fo_gym.evaluation.recording import Recording, References, record
 from fo_gym.evaluation.seeds import VALIDATION_SEEDS, first
 from fo_gym.generators import seed_number
-from fo_gym.tasks.task import VARIANTS
+from fo_gym.tasks.variants import VARIANTS
 
 OK, TERMINATED, FAILED = "ok", "terminated", "failed"
 
-__all__ = ["FAILED", "OK", "TERMINATED", "EpisodeSet", "evaluate", "failed_rows", "references_of", "rows"]
+__all__ = [
+    "FAILED",
+    "OK",
+    "TERMINATED",
+    "EpisodeSet",
+    "check_arguments",
+    "evaluate",
+    "evaluation_seeds",
+    "failed_rows",
+    "references_of",
+    "rows",
+]
 
 
 @dataclass(frozen=True)
@@ -100,6 +111,14 @@ def evaluation_seeds(variant: str, seeds: int | Sequence[int]) -> tuple[int, ...
     return chosen[:1] if variant == "nominal" else chosen
 
 
+def check_arguments(env_kwargs: Mapping[str, Any]) -> None:
+    """Raise ValueError for arguments of the environment that an evaluation sets itself, TypeError for unknown ones."""
+    for fixed, why in (("feedback", "it is the compensator's"), ("action_mode", "estimates are scored")):
+        if fixed in env_kwargs:
+            raise ValueError(f"{fixed} cannot be chosen in an evaluation: {why}; leave it out")
+    only("keyword argument", env_kwargs, [each.name for each in fields(Settings)])
+
+
 def evaluate(
     compensator: str | type | Compensator,
     env_id: str,
@@ -128,10 +147,7 @@ def evaluate(
     """
     text("env_id", env_id)
     choice("variant", variant, VARIANTS)
-    for fixed, why in (("feedback", "it is the compensator's"), ("action_mode", "estimates are scored")):
-        if fixed in env_kwargs:
-            raise ValueError(f"{fixed} cannot be chosen in an evaluation: {why}; leave it out")
-    only("keyword argument", env_kwargs, [each.name for each in fields(Settings)])
+    check_arguments(env_kwargs)
     with _playing(compensator, env_id, variant) as (name, instance, content):
         episodes = EpisodeSet(env_id, variant, evaluation_seeds(variant, seeds), env_kwargs)
         recording = episodes.record(instance, name)  # first: what cannot run says so at once

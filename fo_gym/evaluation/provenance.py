@@ -26,7 +26,7 @@ def provenance(protocol: str = "", origin: str = "", competitor_hash: str = "") 
     Args:
         protocol: name and hash of what was run, or "" outside a protocol.
         origin: "baseline" (named by the protocol), "submission" (from the folder of submissions), "yours" (given to
-            `fo-gym evaluate`), "reference" (`none` and `ideal`), or "" outside a protocol.
+            `fo-gym evaluate` or a sweep), "reference" (`none` and `ideal`), or "" outside a protocol.
         competitor_hash: of the competitor's source, weights and gains; "" for the references, and for a class or an
             instance.
 

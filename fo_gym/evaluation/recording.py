@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, cast
 
 import gymnasium as gym
@@ -92,6 +92,19 @@ class Recording:
     def motions(self) -> Motions:
         """Motors and tools of all episodes."""
         return Motions(self.ticks["theta"], self.ticks.get("tool"))
+
+    def part(self, rows: slice) -> Recording:
+        """Some episodes of the batch as a recording of their own; the time per call is their share of it."""
+        share = len(self.ended[rows]) / len(self.ended)
+        return replace(
+            self,
+            ticks={name: array[:, rows] for name, array in self.ticks.items()},
+            periods={name: array[:, rows] for name, array in self.periods.items()},
+            scenarios=self.scenarios[rows],
+            terminations=self.terminations[rows],
+            ended=self.ended[rows],
+            seconds=self.seconds * share,
+        )
 
     def episode(self, i: int, references: References) -> Episode:
         """The record of episode i, beside its two references."""

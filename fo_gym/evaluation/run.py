@@ -16,7 +16,7 @@ from fo_gym.evaluation.protocol import Protocol
 from fo_gym.evaluation.recording import References
 from fo_gym.evaluation.store import Store
 from fo_gym.evaluation.trace import Trace
-from fo_gym.evaluation.trial import IDEAL, NONE, Trial, competitor_trial, failed_trial, reference_trials
+from fo_gym.evaluation.trial import IDEAL, NONE, Trial, failed_trial, reference_trials, trials_together
 
 OnRun = Callable[[str], None]
 """Called with a label after every run, `none` and `ideal` counted as one."""
@@ -24,15 +24,25 @@ OnRun = Callable[[str], None]
 ENDED = "it ended the process that it ran in"
 """The error of a competitor that takes its process down, as a crash in compiled code does."""
 
-__all__ = ["ENDED", "Contest", "Results", "competitors_of", "run_contests", "run_protocol"]
+_Crew = tuple[int, tuple[int, ...]]
+"""The number of a contest, and the places of those who share a batch of it."""
+
+__all__ = ["ENDED", "Contest", "Results", "competitors_of", "contests_in", "run_contests", "run_protocol"]
 
 
 @dataclass(frozen=True)
 class Contest:
-    """A set of episodes, and who meets them besides `none` and `ideal`."""
+    """A set of episodes, and who meets them besides `none` and `ideal`.
+
+    Attributes:
+        episodes: what they meet.
+        competitors: who.
+        together: how many of them share a batch, which changes no row; a short time for many, but more memory.
+    """
 
     episodes: EpisodeSet
     competitors: tuple[Competitor, ...]
+    together: int = 1
 
     @property
     def everybody(self) -> tuple[Competitor, ...]:
@@ -70,6 +80,16 @@ def competitors_of(protocol: Protocol, submissions: Sequence[Competitor] = ()) -
     named = tuple(competitor_of(name) for name in protocol.compensators if name not in BUILT_IN)
     check_names((*named, *submissions))
     return (*named, *submissions)
+
+
+def contests_in(protocol: Protocol, submissions: Sequence[Competitor] = (), *, traced: bool = False) -> list[Contest]:
+    """Every set of episodes of a protocol, with everybody who meets it. Raises as `competitors_of` does."""
+    competitors = competitors_of(protocol, submissions)
+    return [
+        Contest(EpisodeSet(env_id, variant, protocol.seeds_of(variant), {}, traced), competitors)
+        for env_id in protocol.environments
+        for variant in protocol.variants
+    ]
 
 
 class _Runner:
@@ -133,13 +153,34 @@ class _Runner:
 
     def run_competitors(self, backend: Backend, references: dict[int, References]) -> None:
         """Everybody else whose trial is missing."""
-        left = [(number, place) for number in references for place in self.missing(number)]
-        left.sort()
-        tasks = [(self.contests[n].episodes, self.contests[n].everybody[place], references[n]) for n, place in left]
-        for task, result in backend.run(competitor_trial, tasks):
-            trial = failed_trial(*tasks[task][:2], ENDED) if result is None else result
-            self._keep(*left[task], trial)
-            self._tell(*left[task])
+        crews = []
+        for number in sorted(references):
+            left, size = self.missing(number), self.contests[number].together
+            crews += [(number, tuple(left[start : start + size])) for start in range(0, len(left), size)]
+        lost = self._run_crews(backend, references, crews)
+        suspects = [(number, (place,)) for number, places in lost if len(places) > 1 for place in places]
+        dead = [crew for crew in lost if len(crew[1]) == 1]
+        for number, (place,) in [*dead, *self._run_crews(backend, references, suspects)]:
+            contest = self.contests[number]
+            self._keep(number, place, failed_trial(contest.episodes, contest.everybody[place], ENDED))
+            self._tell(number, place)
+
+    def _run_crews(self, backend: Backend, references: dict[int, References], crews: Sequence[_Crew]) -> list[_Crew]:
+        """Run some crews; returns those that took their process down."""
+        lost: list[_Crew] = []
+        tasks = [
+            (self.contests[n].episodes, [self.contests[n].everybody[place] for place in places], references[n])
+            for n, places in crews
+        ]
+        for task, trials in backend.run(trials_together, tasks):
+            number, places = crews[task]
+            if trials is None:
+                lost.append(crews[task])
+                continue
+            for place, trial in zip(places, trials, strict=True):
+                self._keep(number, place, trial)
+                self._tell(number, place)
+        return lost
 
     def labelled(self, protocol: str) -> Iterator[Trial]:
         """All trials in order, under the names of this run."""
@@ -206,12 +247,7 @@ def run_protocol(
         ValueError: an entry is not allowed, or two competitors have the same name.
         BackendError: the workers were lost; what they finished is in the store.
     """
-    competitors = competitors_of(protocol, submissions)
-    contests = [
-        Contest(EpisodeSet(env_id, variant, protocol.seeds_of(variant), {}, traced), competitors)
-        for env_id in protocol.environments
-        for variant in protocol.variants
-    ]
+    contests = contests_in(protocol, submissions, traced=traced)
     return run_contests(contests, protocol.stamp, backend=backend or Processes(jobs), store=store, on_run=on_run)
 
 

@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from fo_gym.compensators import Compensator
 from fo_gym.evaluation.competitor import REFERENCE, Competitor
 from fo_gym.evaluation.evaluate import FAILED, EpisodeSet, failed_rows, references_of, rows
 from fo_gym.evaluation.recording import Recording, References
+from fo_gym.evaluation.team import Team, by_feedback
 from fo_gym.evaluation.trace import Trace, traces_of
 
 NONE = Competitor("none", "none", REFERENCE)
 IDEAL = Competitor("ideal", "ideal", REFERENCE)
 
-__all__ = ["IDEAL", "NONE", "Trial", "competitor_trial", "failed_trial", "reference_trials"]
+__all__ = ["IDEAL", "NONE", "Trial", "competitor_trial", "failed_trial", "reference_trials", "trials_together"]
 
 
 @dataclass(frozen=True)
@@ -88,6 +91,32 @@ def competitor_trial(episodes: EpisodeSet, competitor: Competitor, references: R
     except (Exception, SystemExit) as error:
         return failed_trial(episodes, competitor, f"{type(error).__name__}: {error}")
     return _trial(episodes, competitor.name, recording, references)
+
+
+def trials_together(episodes: EpisodeSet, competitors: Sequence[Competitor], references: References) -> list[Trial]:
+    """The trials of several competitors, in their order: as `competitor_trial` gives them, in as few batches as may be.
+
+    Where something goes wrong in a batch, its members run one by one, which tells whose fault it is. Those that have
+    processes of their own do so in any case.
+    """
+    if len(competitors) == 1:
+        return [competitor_trial(episodes, competitors[0], references)]
+    made: dict[int, Compensator] = {}
+    for place, competitor in enumerate(competitors):
+        if not competitor.guarded:
+            with suppress(Exception, SystemExit):
+                made[place] = competitor.make(episodes.env_id, episodes.variant)
+    trials: dict[int, Trial] = {}
+    for places in by_feedback(made):
+        team = Team([made[place] for place in places], len(episodes.seeds))
+        with suppress(Exception, SystemExit):
+            recording = replace(episodes, seeds=episodes.seeds * len(places)).record(team, "team")
+            for member, place in enumerate(places):
+                own = recording.part(team.rows(member))
+                trials[place] = _trial(episodes, competitors[place].name, own, references)
+    alone = (place for place in range(len(competitors)) if place not in trials)
+    trials |= {place: competitor_trial(episodes, competitors[place], references) for place in alone}
+    return [trials[place] for place in range(len(competitors))]
 
 
 def failed_trial(episodes: EpisodeSet, competitor: Competitor, error: str) -> Trial:

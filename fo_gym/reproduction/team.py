@@ -1,9 +1,9 @@
-"""Several compensators on one batch, a row for each: one simulation instead of many."""
+"""Several compensators on the same episode, in one batch: what each of them did."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,36 +11,11 @@ from numpy.typing import NDArray
 
 from fo_gym.compensators import Compensator
 from fo_gym.evaluation.recording import Recording, record
-from fo_gym.parameters import JointInfo
-from fo_gym.sensors import Signals
+from fo_gym.evaluation.team import Team, by_feedback
 
 Array = NDArray[np.float64]
 
-__all__ = ["Run", "Team", "run_team"]
-
-_ROWS = [field.name for field in fields(Signals) if field.name != "available"]
-
-
-class Team:
-    """Compensators with the same feedback, each in charge of one environment of the batch."""
-
-    def __init__(self, members: Sequence[Compensator]) -> None:
-        self.members = list(members)
-        (self.feedback,) = {member.feedback for member in self.members}
-
-    def reset(self, joints: JointInfo, num_envs: int) -> None:
-        """Start every member on a batch of one."""
-        for i, member in enumerate(self.members):
-            own = {name: getattr(joints, name)[[i]] for name in ("motor_inertia", "stiffness", "torque_limit")}
-            member.reset(replace(joints, **own), 1)
-
-    def estimate(self, signals: Signals) -> Array:
-        """tau_f_hat, (num_envs, dof), a row from each member."""
-        rows = []
-        for i, member in enumerate(self.members):
-            own = Signals(**{name: getattr(signals, name)[i : i + 1] for name in _ROWS})
-            rows.append(member.estimate(own))
-        return np.asarray(np.concatenate(rows))
+__all__ = ["Run", "run_team"]
 
 
 @dataclass(frozen=True)
@@ -83,8 +58,7 @@ def run_team(
         RuntimeError: an episode ended early.
     """
     runs: dict[str, Run] = {}
-    for feedback in dict.fromkeys(member.feedback for member in members.values()):
-        names = [name for name, member in members.items() if member.feedback == feedback]
+    for names in by_feedback(members):
         team = Team([members[name] for name in names])
         recording = record(team, "team", env_id, variant, [seed] * len(names), env_kwargs)
         if any(recording.terminations):

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeVar
 
 LONGEST_TEXT = 2000
 """Characters that are kept of what a competitor says."""
 
-__all__ = ["LONGEST_TEXT", "EndedError", "RaisedError", "kind_of", "plain"]
+ErrorT = TypeVar("ErrorT", bound=BaseException)
+
+__all__ = ["LONGEST_TEXT", "EndedError", "RaisedError", "kind_of", "plain", "trace_of", "with_trace"]
 
 
 class EndedError(RuntimeError):
@@ -29,6 +31,19 @@ class RaisedError(RuntimeError):
 def kind_of(error: BaseException) -> str:
     """The name of what a compensator raised, here or in a process of its own."""
     return error.kind if isinstance(error, RaisedError) else type(error).__name__
+
+
+def with_trace(error: ErrorT, trace: str) -> ErrorT:
+    """The error with the lines of the competitor's code that led to it, as a note."""
+    if trace:
+        error.add_note(trace)
+    return error
+
+
+def trace_of(error: BaseException) -> str:
+    """The lines of the competitor's code that led to an error, or to its cause; "" where they are not known."""
+    notes = getattr(error, "__notes__", []) or getattr(error.__cause__, "__notes__", [])
+    return "\n".join(notes)
 
 
 def plain(words: Any, longest: int = LONGEST_TEXT) -> str:

@@ -30,7 +30,7 @@ from fo_gym.evaluation.guard.channel import (
     Channel,
     ChannelError,
 )
-from fo_gym.evaluation.guard.faults import EndedError, RaisedError, plain
+from fo_gym.evaluation.guard.faults import EndedError, RaisedError, plain, trace_of, with_trace
 from fo_gym.evaluation.guard.limits import Limits
 from fo_gym.evaluation.guard.process import Process
 from fo_gym.evaluation.guard.readable import readable
@@ -90,7 +90,8 @@ class Guarded:
             _, missing = self._ask(CONFINE, {**paths, "limits": asdict(limits), "parent": os.getpid()}, "making")
             _, self.feedback = self._ask(MAKE, {"spec": spec, "gains": dict(gains)}, "making")
         except RaisedError as error:
-            raise _MISTAKES.get(error.kind, CompensatorError)(str(error)) from None
+            mistake = _MISTAKES.get(error.kind, CompensatorError)(str(error))
+            raise with_trace(mistake, trace_of(error)) from None
         except EndedError as error:
             raise CompensatorError(f"compensator {spec!r}: making it: {error}") from None
         if missing:
@@ -204,7 +205,7 @@ class Guarded:
     def _raised(self, content: Any) -> Exception:
         """What the competitor raised, in its own words."""
         words = content if isinstance(content, dict) else {}
-        kind, text, place = (plain(words.get(part, "")) for part in ("kind", "text", "place"))
+        kind, text, place, trace = (plain(words.get(part, "")) for part in ("kind", "text", "place", "trace"))
         if kind == MemoryError.__name__:
             text += f"it may use {self._limits.memory} bytes (Limits.memory)"
-        return RaisedError(kind, f"{text} ({place})" if place else text)
+        return with_trace(RaisedError(kind, f"{text} ({place})" if place else text), trace)

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import mmap
 import os
-import traceback
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,13 +12,13 @@ import numpy as np
 from fo_gym import compensators
 from fo_gym.evaluation.guard.channel import BEGIN, DECLARE, DONE, RAISED, RESET, SHAPE, TICK, Channel
 from fo_gym.evaluation.guard.faults import LONGEST_TEXT
+from fo_gym.evaluation.guard.frames import place_of, traceback_of
 from fo_gym.evaluation.guard.memory import views
 from fo_gym.parameters import JointInfo
 from fo_gym.sensors import Signals
 
 _RESERVE = 16 << 20
 """Memory that is kept for telling that there is no more [bytes]."""
-_SUITE = Path(compensators.__file__).parent
 
 __all__ = ["serve"]
 
@@ -63,23 +61,15 @@ class _Server:
         return DONE, None
 
 
-def _place(error: BaseException, spec: str) -> str:
-    """Where in the competitor's code it was raised: file, line and function; "" where that is not known."""
-    file = spec.rpartition(":")[0]
-    home = os.path.dirname(os.path.abspath(file)) if file.endswith(".py") else os.sep
-    for frame in reversed(traceback.extract_tb(error.__traceback__)):
-        path = Path(frame.filename)
-        if path.is_relative_to(home) and not path.is_relative_to(_SUITE) and "site-packages" not in path.parts:
-            return f"{path.name}, line {frame.lineno}, in {frame.name}"
-    return ""
-
-
 def _told(error: BaseException, spec: str) -> dict[str, str]:
     """An error in words."""
     text = ""
     with suppress(BaseException):  # the words are the competitor's own, too
         text = str(error)[:LONGEST_TEXT]
-    return {"kind": type(error).__name__, "text": text, "place": _place(error.__cause__ or error, spec)}
+    raised, trace = error.__cause__ or error, ""
+    with suppress(BaseException):
+        trace = traceback_of(raised, spec)[-LONGEST_TEXT:]
+    return {"kind": type(error).__name__, "text": text, "place": place_of(raised, spec), "trace": trace}
 
 
 def serve(channel: Channel, memory: int) -> None:
