@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import math
+import shlex
+import shutil
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -121,7 +124,7 @@ class TestRuns:
         assert study_module._Scorer(case, (1, 2))({"L": 100.0}) == pytest.approx((0.5 - 1.0) / 2)
 
     @pytest.mark.slow
-    def test_the_command_writes_an_entry_that_protocols_take(self, tmp_path):
+    def test_the_command_writes_an_entry_that_protocols_take(self, tmp_path, monkeypatch):
         arguments = [
             "tune",
             "letien-high",
@@ -137,13 +140,15 @@ class TestRuns:
         outputs = []
         for jobs in ("1", "2"):
             out = tmp_path / jobs
-            done = CliRunner().invoke(app, [*arguments, "--out", str(out), "--jobs", jobs])
+            out.mkdir()
+            monkeypatch.chdir(out)
+            done = CliRunner().invoke(app, [*arguments, "--out", ".", "--jobs", jobs])
             assert done.exit_code == 0, done.output
             outputs.append({file.relative_to(out): file.read_bytes() for file in out.rglob("*.[ct][so][vm]*")})
         assert outputs[0] == outputs[1]
         assert len(outputs[0]) == 3
         entry = load_entry(tmp_path / "1" / "letien-tuned.toml")
-        assert (entry.name, entry.spec) == ("letien-tuned", "letien-high")
+        assert (entry.name, entry.spec, entry.authors) == ("letien-tuned", "letien-high", ("The fo-gym authors",))
         assert set(entry.sets) == {(SQUARE, variant) for variant in ("nominal", "randomized", "hardware")}
         assert entry.gains_on(SQUARE, "nominal") == entry.gains_on(SQUARE, "randomized")
         trials = pd.read_csv(tmp_path / "1" / "letien-tuned" / f"{SQUARE}-hardware.csv")
@@ -152,8 +157,108 @@ class TestRuns:
 
     def test_progress_is_told(self, synthetic, tmp_path):
         told = []
-        tune([Case("pid-high", STICTION, "hardware", 2, 1, 0)], "x", tmp_path, on_case=told.append)
+        tune([Case("pid-high", STICTION, "hardware", 2, 1, 0)], "x", tmp_path, command="", on_case=told.append)
         assert told[0].startswith(f"{STICTION} hardware: ")
+
+
+MINE = """
+class Mine:
+    feedback = "measured"
+    search_space = {"gain": (5.0, 50.0)}
+
+    def __init__(self, gain=10.0):
+        self.gain = gain
+
+    def reset(self, joints, num_envs):
+        self.scale = self.gain * joints.motor_inertia
+
+    def estimate(self, signals):
+        return -self.scale * (signals.theta_n_dot - signals.theta_dot)
+"""
+PROTOCOL = f"""
+name = "mine"
+split = "validation"
+seeds = 1
+environments = ["{STICTION}"]
+variants = ["randomized"]
+compensators = ["results/it's mine.toml"]
+"""
+
+
+@pytest.fixture
+def mine(tmp_path, monkeypatch):
+    """A stranger's file, in a folder of its own beside the one that commands run in."""
+    for folder in ("sources", "here"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "sources" / "mine.py").write_text(MINE, encoding="utf-8")
+    monkeypatch.chdir(tmp_path / "here")
+    return "../sources/mine.py:Mine"
+
+
+class TestOfAStranger:
+    EFFORT = ("--trials", "1", "--episodes", "1", "--final-episodes", "1", "--seed", "3")
+
+    def tuned(self, mine, *options):
+        """The entry's text; what is tuned lies outside the folder of results."""
+        command = ["tune", mine, "--env", STICTION, "--variant", "randomized", *self.EFFORT, "--out", "results"]
+        done = CliRunner().invoke(app, [*command, "--jobs", "1", *options])
+        assert done.exit_code == 0, done.output
+        (written,) = Path("results").glob("*.toml")
+        return written.read_text(encoding="utf-8")
+
+    @pytest.mark.usefixtures("short_stiction")
+    def test_the_entry_is_accepted_where_it_lies(self, mine):
+        text = self.tuned(mine, "--name", "mine-tuned")
+        assert 'spec = "../../sources/mine.py:Mine"' in text
+        Path("results/mine-tuned.toml").rename("results/it's mine.toml")
+        Path("results/it's mine.toml").write_text('name = "mine-tuned"\n' + text, encoding="utf-8")
+        Path("protocol.toml").write_text(PROTOCOL, encoding="utf-8")
+        options = ("--jobs", "1", "--out")
+        where = ("--env", STICTION, "--variant", "randomized", "--seeds", "1", "--baselines", "none")
+        for command in (
+            ["evaluate", "results/it's mine.toml", *where, *options, "evaluated"],
+            ["leaderboard", "--protocol", "protocol.toml", *options, "scored"],
+        ):
+            done = CliRunner().invoke(app, command)
+            assert done.exit_code == 0, done.output
+        scores = [pd.read_csv(f"{folder}/episodes.csv").set_index("compensator") for folder in ("evaluated", "scored")]
+        assert scores[0].loc["mine-tuned", "frr"] == scores[1].loc["mine-tuned", "frr"]
+        assert scores[0].loc["mine-tuned", "status"] == "ok"
+
+    @pytest.mark.usefixtures("short_stiction")
+    def test_the_entry_credits_its_author_and_repeats_its_command(self, mine):
+        text = self.tuned(mine, "--name", "mine tuned", "--author", 'A. "Ace" Author', "--author", "Élise Müller")
+        assert load_entry(Path("results/mine tuned.toml")).authors == ('A. "Ace" Author', "Élise Müller")
+        again = shlex.split(text.splitlines()[0].removeprefix("# Tuned by: "))
+        assert again[:2] == ["fo-gym", "tune"]
+        Path("results/mine tuned.toml").unlink()
+        shutil.rmtree("results/mine tuned")
+        assert CliRunner().invoke(app, [*again[1:], "--jobs", "1"]).exit_code == 0
+        assert Path("results/mine tuned.toml").read_text(encoding="utf-8") == text
+
+    @pytest.mark.usefixtures("short_stiction")
+    def test_without_an_author_nobody_is_credited(self, mine):
+        self.tuned(mine)
+        entry = load_entry(Path("results/mine-Mine-tuned.toml"))
+        assert (entry.name, entry.authors) == ("mine-Mine-tuned", ("unnamed",))
+
+    @pytest.mark.parametrize(
+        ("options", "message"),
+        [
+            (("--name", "a|b"), "name is 'a|b'; give letters"),
+            (("--name", "none"), "name is 'none'; give letters"),
+            (("--author", "two\nlines"), "each a line of text"),
+            (("--author", " "), "each a line of text"),
+            (("--env", "FJRNothing-v0"), "env is 'FJRNothing-v0'; allowed are 'FJRStiction-v0'"),
+            (("--variant", "wild"), "variant is 'wild'; allowed are 'nominal', 'randomized', 'hardware'"),
+            (("--seed", "-1"), "seed is -1; give a whole number from 0 to "),
+        ],
+    )
+    def test_what_cannot_stand_in_an_entry_is_refused_before_the_search(self, mine, options, message):
+        done = CliRunner().invoke(app, ["tune", mine, *options, "--jobs", "1"])
+        assert done.exit_code == 2
+        assert message in done.stderr.replace("\n", " ")
+        assert not list(Path().iterdir())
 
 
 class TestErrors:

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import re
+import shlex
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.table import Table
 
-import fo_gym
 from fo_gym.console import Stop, check_folder, check_jobs, console, progress_bar, tell_written
+from fo_gym.extras import install_command
+
+if TYPE_CHECKING:
+    from fo_gym.tuning.study import Outcome
 
 __all__ = ["run_tune"]
 
 VARIANTS = ("randomized", "hardware")
+OUT = Path("build/tuning")
 
 
 def run_tune(
@@ -26,9 +32,11 @@ def run_tune(
     final_episodes: Annotated[int, typer.Option(help="Validation episodes of each finalist.")] = 20,
     seed: Annotated[int, typer.Option(help="Seed of the search.")] = 0,
     name: Annotated[str | None, typer.Option(help="What to call the result; by default COMPENSATOR-tuned.")] = None,
-    out: Annotated[Path, typer.Option(file_okay=False, help="Folder; a killed search goes on there.")] = Path(
-        "build/tuning"
-    ),
+    author: Annotated[
+        list[str] | None,
+        typer.Option(help='Who made the compensator, repeatable; "unnamed" by default, unless the project did.'),
+    ] = None,
+    out: Annotated[Path, typer.Option(file_okay=False, help="Folder; a killed search goes on there.")] = OUT,
     jobs: Annotated[int, typer.Option(help="Worker processes; -1 = one per core.")] = -1,
 ) -> None:
     """Tune a compensator's gains: as many trials and simulated seconds for everybody, on tuning seeds.
@@ -40,32 +48,72 @@ def run_tune(
     Examples:
         fo-gym tune pid-high --name pid-tuned
 
-        fo-gym tune mine.py:Mine --env FJRStiction-v0 --variant hardware --trials 50
+        fo-gym tune mine.py:Mine --env FJRStiction-v0 --variant hardware --trials 50 --author "A. Author"
 
         fo-gym evaluate build/tuning/pid-tuned.toml --env FJRStiction-v0 --variant hardware
     """
     check_jobs(jobs)
     check_folder("--out", out)
     try:
-        from fo_gym.tuning.run import tune  # noqa: PLC0415 (Optuna is an extra)
-        from fo_gym.tuning.study import Case  # noqa: PLC0415
+        from fo_gym.tuning.run import tune
+        from fo_gym.tuning.study import Case
     except ModuleNotFoundError as error:
-        raise Stop(f"{error}; install what `fo-gym tune` needs with: pip install 'fo-gym[tune]'") from error
-    name = name or re.sub(r"\W+", "-", compensator.removesuffix("-high").removesuffix("-low")).strip("-") + "-tuned"
+        raise Stop(f"{error}; install what `fo-gym tune` needs with: {install_command('tune')}") from error
+    from fo_gym import ENVIRONMENTS, CompensatorError
+
+    name = name or _default_name(compensator)
+    repeated = {"--env": env, "--variant": variant, "--author": author}
+    single: dict[str, object] = {
+        "--trials": trials,
+        "--episodes": episodes,
+        "--final-episodes": final_episodes,
+        "--seed": seed,
+    }
+    single |= {"--name": name} | ({} if out == OUT else {"--out": out})
     try:
         cases = [
             Case(compensator, env_id, each, trials, episodes, seed, final_episodes)
-            for env_id in env or fo_gym.ENVIRONMENTS
+            for env_id in env or ENVIRONMENTS
             for each in variant or VARIANTS
         ]
         with progress_bar(len(cases)) as advance:
-            outcomes, written = tune(cases, name, out, jobs=jobs, on_case=lambda label: advance(label, 1))
-    except (ValueError, TypeError, fo_gym.CompensatorError) as error:
+            outcomes, written = tune(
+                cases,
+                name,
+                out,
+                authors=author or (),
+                command=_command(compensator, repeated, single),
+                jobs=jobs,
+                on_case=lambda label: advance(label, 1),
+            )
+    except (ValueError, TypeError, CompensatorError) as error:
         raise Stop(str(error)) from error
+    console.print(_view(name, outcomes))
+    tell_written(written)
+
+
+def _default_name(compensator: str) -> str:
+    """mine-Mine-tuned of path/mine.py:Mine, pid-tuned of pid-high."""
+    where, _, attribute = compensator.rpartition(":")
+    short = f"{Path(where).stem}-{attribute}" if where.endswith(".py") else compensator
+    return re.sub(r"\W+", "-", short.removesuffix("-high").removesuffix("-low")).strip("-") + "-tuned"
+
+
+def _command(compensator: str, repeated: dict[str, list[str] | None], single: dict[str, object]) -> str:
+    """The command that gives this result again, as a shell takes it; what has no influence on it is left out."""
+    words = ["fo-gym", "tune", compensator]
+    for option, values in repeated.items():
+        for value in values or ():
+            words += [option, value]
+    for option, text in single.items():
+        words += [option, str(text)]
+    return shlex.join(words)
+
+
+def _view(name: str, outcomes: Sequence[Outcome]) -> Table:
     table = Table("environment", "variant", "own gains", "tuned", "gains", title=f"{name}: mean FRR, validation seeds")
     for outcome in outcomes:
         finals = outcome.trials["frr_validation"]
         gains = ", ".join(f"{gain} {value:.4g}" for gain, value in outcome.gains.items())
         table.add_row(outcome.case.env_id, outcome.case.variant, f"{finals[0]:.4f}", f"{finals.max():.4f}", gains)
-    console.print(table)
-    tell_written(written)
+    return table

@@ -3,29 +3,51 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 
+from fo_gym.compensators import is_ours
 from fo_gym.tuning.study import Outcome
 
-__all__ = ["entry_text"]
+OURS, UNNAMED = ("The fo-gym authors",), ("unnamed",)
+
+__all__ = ["authors_of", "entry_text", "spec_beside"]
 
 NOMINAL = "nominal"
 STANDS_FOR_NOMINAL = "randomized"
 """The nominal variant is one episode, which cannot be tuned on: it has the gains of this one."""
 
 
-def entry_text(spec: str, outcomes: Iterable[Outcome], command: str) -> str:
+def authors_of(spec: str) -> tuple[str, ...]:
+    """Whom an entry credits where nobody is named: the project for its own compensators, else nobody by name."""
+    return OURS if is_ours(spec) else UNNAMED
+
+
+def spec_beside(spec: str, folder: Path) -> str:
+    """The spec as an entry in that folder has it: a file is named from there."""
+    where, colon, attribute = spec.rpartition(":")
+    if not where.endswith(".py"):
+        return spec
+    file, start = Path(where).resolve(), folder.resolve()
+    # Windows has no way from one drive to another.
+    path = file if file.drive != start.drive else Path(os.path.relpath(file, start))
+    return f"{path.as_posix()}{colon}{attribute}"
+
+
+def entry_text(spec: str, authors: Sequence[str], outcomes: Iterable[Outcome], command: str) -> str:
     """An entry (TOML) with the gains of every environment and variant.
 
     Args:
-        spec: the compensator that was tuned.
+        spec: the compensator that was tuned, as seen from the entry.
+        authors: who made it.
         outcomes: what the studies found.
         command: what to run to get it again.
     """
     lines = [
-        f"# Tuned by: {command}",
-        f"spec = {json.dumps(spec)}",
-        'authors = ["The fo-gym authors"]',
+        f"# Tuned by: {' '.join(command.splitlines())}",
+        f"spec = {_text(spec)}",
+        f"authors = [{', '.join(map(_text, authors))}]",
         'link = ""',
         "",
     ]
@@ -36,12 +58,16 @@ def entry_text(spec: str, outcomes: Iterable[Outcome], command: str) -> str:
         for variant in variants:
             lines += [
                 "[[sets]]",
-                f"env = {json.dumps(outcome.case.env_id)}",
-                f"variant = {json.dumps(variant)}",
+                f"env = {_text(outcome.case.env_id)}",
+                f"variant = {_text(variant)}",
                 f"gains = {_inline(outcome.gains)}",
                 "",
             ]
     return "\n".join(lines)
+
+
+def _text(value: str) -> str:
+    return json.dumps(value, ensure_ascii=False)
 
 
 def _inline(gains: Mapping[str, float]) -> str:

@@ -5,17 +5,25 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from joblib import Parallel, delayed
-
+from fo_gym.evaluation.backends import Processes
+from fo_gym.evaluation.entry import check_authors, check_name
 from fo_gym.files import atomic, csv
-from fo_gym.tuning.entry import entry_text
+from fo_gym.tuning.entry import authors_of, entry_text, spec_beside
+from fo_gym.tuning.space import default_gains
 from fo_gym.tuning.study import Case, Outcome, run_study
 
 __all__ = ["tune"]
 
 
 def tune(
-    cases: Sequence[Case], name: str, out: Path, *, jobs: int = 1, on_case: Callable[[str], None] | None = None
+    cases: Sequence[Case],
+    name: str,
+    out: Path,
+    *,
+    command: str,
+    authors: Sequence[str] = (),
+    jobs: int = 1,
+    on_case: Callable[[str], None] | None = None,
 ) -> tuple[list[Outcome], list[Path]]:
     """Run the studies of one compensator; write its entry and the tables of its trials.
 
@@ -23,26 +31,36 @@ def tune(
         cases: what is tuned, all of one compensator.
         name: of the entry.
         out: folder; NAME.toml, NAME/ENV-VARIANT.csv, and the journals of the studies.
+        command: what the entry says it was made by.
+        authors: who made the compensator; by default the project for its own, "unnamed" for others.
         jobs: worker processes; the result does not depend on it.
         on_case: called with a label after every study.
 
     Returns:
         What the studies found; the files.
+
+    Raises:
+        ValueError: the name or an author cannot stand in an entry, the compensator declares no gains, or it took its
+            process down.
     """
-    outcomes: list[Outcome] = []
-    parallel = Parallel(n_jobs=jobs, return_as="generator", inner_max_num_threads=1)
-    for outcome in parallel(delayed(run_study)(case, out / name / "journals") for case in cases):
-        outcomes.append(outcome)
+    check_name("name", name)
+    spec = cases[0].spec
+    credited = check_authors("authors", authors or authors_of(spec))
+    default_gains(spec)  # what cannot be tuned is told before there are workers
+    found: dict[int, Outcome] = {}
+    for place, outcome in Processes(jobs).run(run_study, [(case, out / name / "journals") for case in cases]):
+        if outcome is None:
+            raise ValueError(f"compensator {spec!r} ended the process that it ran in")
+        found[place] = outcome
         if on_case is not None:
             finals = outcome.trials["frr_validation"]
             case = outcome.case
             on_case(f"{case.env_id} {case.variant}: {finals[0]:.4f} -> {finals.max():.4f}")
+    outcomes = [found[place] for place in range(len(cases))]
     written = []
     for outcome in outcomes:
         written.append(out / name / f"{outcome.case.env_id}-{outcome.case.variant}.csv")
         atomic(written[-1], csv(outcome.trials))
-    case = cases[0]
-    command = f"fo-gym tune {case.spec} --name {name} --trials {case.trials} --episodes {case.episodes}"
     written.append(out / f"{name}.toml")
-    atomic(written[-1], entry_text(case.spec, outcomes, f"{command} --seed {case.seed}"))
+    atomic(written[-1], entry_text(spec_beside(spec, out), credited, outcomes, command))
     return outcomes, written

@@ -19,7 +19,7 @@ from fo_gym.evaluation.evaluate import EpisodeSet, references_of, rows
 from fo_gym.evaluation.protocol import known_environments
 from fo_gym.evaluation.recording import References
 from fo_gym.evaluation.seeds import TUNING_SEEDS, VALIDATION_SEEDS, first
-from fo_gym.tasks.task import VARIANTS
+from fo_gym.tasks.variants import VARIANTS
 from fo_gym.tuning.space import default_gains, search_space
 
 FINALISTS = 3
@@ -117,11 +117,11 @@ def run_study(case: Case, folder: Path, on_trial: OnTrial | None = None) -> Outc
         folder: keeps the study's journal, from which a search that was killed goes on as if it had not been.
         on_trial: called with a label after every trial that counts.
     """
+    space, start = search_space(case.spec), default_gains(case.spec)
     folder.mkdir(parents=True, exist_ok=True)
-    space = search_space(case.spec)
     study = _open(case, folder)
     if not _decided(study):
-        study.enqueue_trial(default_gains(case.spec))
+        study.enqueue_trial(start)
     score = _Scorer(case, first(TUNING_SEEDS, case.episodes))
 
     def objective(trial: optuna.Trial) -> float:
