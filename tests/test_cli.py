@@ -2,21 +2,30 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import subprocess
 import sys
+import tomllib
 from collections.abc import Iterator
+from importlib.metadata import EntryPoint, PackageNotFoundError
 from pathlib import Path
+from types import SimpleNamespace
 from typing import NamedTuple
 
+import pandas as pd
 import pytest
+from rich.console import Console
 from typer.testing import CliRunner
 
 import fo_gym
-from fo_gym.cli import app
+from fo_gym import cli, extras
+from fo_gym.cli import app, view
 from fo_gym.evaluation.entry import shipped_entries
 from fo_gym.evaluation.metrics import METRICS
+from fo_gym.evaluation.tables import Ranking
+from fo_gym.tasks.variants import VARIANTS
 
 pytestmark = pytest.mark.usefixtures("short_episodes")
 SQUARE = "FJRSquare-v0"
@@ -30,8 +39,12 @@ import numpy as np
 class Mine:
     feedback = "measured"
 
+    def __init__(self, bandwidth=80.0, sign=1.0):
+        self.bandwidth, self.sign = bandwidth, sign
+
     def reset(self, joints, num_envs):
-        self.gain = 80.0 * joints.motor_inertia
+        self.gain = self.sign * self.bandwidth * joints.motor_inertia
+        self.ticks = 0
 
     def estimate(self, signals):
         return -self.gain * (signals.theta_n_dot - signals.theta_dot)
@@ -39,7 +52,15 @@ class Mine:
 
 class Broken(Mine):
     def estimate(self, signals):
-        raise KeyError("no [/such] key in [red]")
+        return np.linalg.inv(np.zeros((2, 2)))
+
+
+class Late(Mine):
+    def estimate(self, signals):
+        self.ticks += 1
+        if self.ticks > 60:
+            raise KeyError("no [/such] key in [red]")
+        return super().estimate(signals)
 
 
 class Undecided(Mine):
@@ -78,11 +99,17 @@ class Outcome(NamedTuple):
 
 
 def run(*arguments: str) -> Outcome:
+    """Outcome of the command; a traceback is at most that of a user's own lines."""
     result = CliRunner().invoke(app, list(arguments))
-    assert "Traceback" not in result.output
+    assert f'File "{Path(fo_gym.__file__).parent}' not in result.output
     assert result.exception is None or isinstance(result.exception, SystemExit), repr(result.exception)
     out, err = (re.sub(r"\x1b\[[0-9;]*m", "", text) for text in (result.stdout, result.stderr))
     return Outcome(result.exit_code, out, err)
+
+
+def line_of(text: str) -> int:
+    """The number of a line of MINE."""
+    return next(number for number, line in enumerate(MINE.splitlines(), start=1) if text in line)
 
 
 def written(folder: Path) -> set[Path]:
@@ -92,7 +119,9 @@ def written(folder: Path) -> set[Path]:
 def table_rows(text: str) -> dict[str, list[str]]:
     """The lines of printed tables by their second cell, the compensator."""
     lines = [line.strip("│").split("│") for line in text.splitlines() if line.startswith("│")]
-    return {cells[1].strip(): [cell.strip() for cell in cells] for cells in lines if cells[1].strip()}
+    return {
+        cells[1].strip().removesuffix(" *"): [cell.strip() for cell in cells] for cells in lines if cells[1].strip()
+    }
 
 
 # What there is
@@ -105,6 +134,7 @@ def test_list_shows_everything() -> None:
     shown = {kind: [line[1].rstrip(":") for line in lines if line[0] == kind] for kind in {line[0] for line in lines}}
     assert shown == {
         "environment": list(fo_gym.ENVIRONMENTS),
+        "variant": list(VARIANTS),
         "compensator": fo_gym.list_compensators(),
         "metric": list(METRICS),
         "protocol": ["full", "quick"],
@@ -113,7 +143,8 @@ def test_list_shows_everything() -> None:
 
 COMMANDS = {
     "list": "fo-gym list",
-    "evaluate": "fo-gym evaluate my.py:Mine",
+    "evaluate": "fo-gym evaluate mine.py:Mine",
+    "sweep": "fo-gym sweep pd-high --gains L=20:400:10",
     "leaderboard": "fo-gym leaderboard --quick",
     "verify": "fo-gym verify build/mine --sample 20",
 }
@@ -125,6 +156,8 @@ def test_help_shows_examples(command: str) -> None:
     assert result.code == 0
     assert "Example" in result.out
     assert COMMANDS[command] in result.out
+    if "--variant" in result.out:
+        assert all(variant in result.out for variant in VARIANTS)
 
 
 def test_help_names_every_command() -> None:
@@ -176,19 +209,62 @@ def test_out_is_written_and_told(scored: Outcome, folder: Path) -> None:
     assert {folder / path for path in told} == files
 
 
-def test_a_broken_compensator_fails_after_the_table_and_writes_nothing(folder: Path) -> None:
-    before = written(folder)
-    result = run("evaluate", "pid-high", "mine.py:Broken", "--env", SQUARE, "--jobs", "1")
+def test_what_fails_late_fails_after_the_table(folder: Path, short_stiction: str) -> None:
+    command = ["evaluate", "pid-high", "mine.py:Late", "--env", short_stiction, "--store", "short"]
+    result = run(*command, "--jobs", "1", "--baselines", "none")
     assert result.code == 2
     rows = table_rows(result.out)
-    assert set(rows) == {"mine.py:Broken", "none", "ideal", *SIX}
-    assert rows["mine.py:Broken"][:3] == ["", "mine.py:Broken", ""]
-    assert "failed" in rows["mine.py:Broken"][-1]
-    assert float(rows["pid-high"][2]) > 0.9
+    assert set(rows) == {"mine.py:Late", "pid-high", "none", "ideal"}
+    assert rows["mine.py:Late"][:3] == ["", "mine.py:Late *", ""]
+    assert "failed" in rows["mine.py:Late"][-1]
+    assert float(rows["pid-high"][2]) > 0.0
     last = result.err.rpartition("error: ")[2]
-    assert last.startswith("CompensatorError: mine.py:Broken: estimate raised KeyError at tick 0")
+    assert last.startswith("CompensatorError: mine.py:Late: estimate raised KeyError at tick 60: ")
     assert "no [/such] key in [red]" in last
+    assert last.endswith(f"(mine.py, line {line_of('raise KeyError')}, in estimate)\n")
+
+
+def test_what_fails_at_once_is_shown_at_once_with_its_own_lines(folder: Path) -> None:
+    """Before anybody else runs, hence without a progress bar, a table or a file."""
+    before = written(folder)
+    result = run("evaluate", "pid-high", "mine.py:Broken", "--env", SQUARE, "--jobs", "1", "--store", "untouched")
+    assert (result.code, result.out) == (2, "")
+    lines = result.err.splitlines()
+    assert lines[0] == "Traceback (most recent call last):"
+    assert [line.strip() for line in lines if line.startswith("  File ")] == [
+        f'File "{folder / "mine.py"}", line {line_of("return np.linalg")}, in estimate',
+    ]
+    assert lines[-2] == "numpy.linalg.LinAlgError: Singular matrix"
+    assert lines[-1].startswith(
+        "error: mine.py:Broken: estimate raised LinAlgError at tick 0: Singular matrix (mine.py"
+    )
     assert written(folder) == before
+
+
+def test_gains_and_a_name_and_chosen_baselines(folder: Path, short_stiction: str) -> None:
+    """The gains arrive, the row is the user's own, and the same command again computes nothing."""
+    command = ["evaluate", "mine.py:Mine", "--gains", "bandwidth=50", "--gains", "sign=1.0", "--store", "short"]
+    command += ["--env", short_stiction, "--jobs", "1", "--baselines", "letien-low,none", "--out", "results/gains"]
+    first = run(*command, "--name", "as low")
+    assert first.code == 0, first.err
+    rows = table_rows(first.out)
+    assert set(rows) == {"as low", "letien-low", "none", "ideal"}
+    board = pd.read_csv(folder / "results/gains/leaderboard.csv").set_index("compensator")
+    assert board["origin"].to_dict() == {
+        "none": "reference", "ideal": "reference", "as low": "yours", "letien-low": "baseline"
+    }  # fmt: skip
+    assert board.loc["as low", "frr"] == pytest.approx(board.loc["letien-low", "frr"], abs=1e-6)
+    again = run(*command, "--name", "again")
+    assert "3 of 3 runs were taken from short" in again.err
+    assert set(table_rows(again.out)) == {"again", "letien-low", "none", "ideal"}
+
+
+def test_a_file_that_is_no_python_is_shown_where(folder: Path) -> None:
+    result = run("evaluate", "syntax.py:Mine")
+    assert (result.code, result.out) == (2, "")
+    first, *_, last = result.err.splitlines()
+    assert first == f'  File "{folder / "syntax.py"}", line 1'
+    assert last.startswith("error: compensator 'syntax.py:Mine': making it raised SyntaxError")
 
 
 def test_an_entry_is_evaluated_as_any_other(folder: Path) -> None:
@@ -216,7 +292,7 @@ def test_a_protocol_of_ones_own(folder: Path) -> None:
 
 
 def test_a_leaderboard_with_a_failed_row_is_written_and_fails(folder: Path) -> None:
-    (folder / "partly.toml").write_text(TINY.replace("mine.py:Mine", "mine.py:Broken"), encoding="utf-8")
+    (folder / "partly.toml").write_text(TINY.replace("mine.py:Mine", "mine.py:Late"), encoding="utf-8")
     result = run("leaderboard", "--protocol", "partly.toml", "--out", "partly", "--jobs", "1")
     assert result.code == 2
     assert "KeyError" in result.err
@@ -234,11 +310,27 @@ REFUSED = [
     ("evaluate pid-high --variant wild", "unknown variant 'wild'; known are nominal, randomized"),
     ("evaluate pid-high --seeds 1001", "1001 seeds were asked for; give a number from 1 to 1000"),
     ("evaluate pid-high --traces", "--traces are written beside the results; add --out DIR"),
-    ("evaluate pid-high pid-high", "names one of them twice"),
+    ("evaluate pid-high pid-high", "two competitors are called 'pid-high'"),
+    ("evaluate mine.py:Mine --gains L=70", "'mine.py:Mine' has no gain 'L'; it takes bandwidth, sign"),
+    ("evaluate pid-high --gains Lx=70", "'pid-high' has no gain 'Lx'; it takes L, Lp, Li"),
+    ("evaluate pid-high --gains L=7O", "L is '7O'; give a value as TOML has it"),
+    ("evaluate pid-high --gains L", "--gains is 'L'; give NAME=VALUE"),
+    ("evaluate pid-high --gains L=1 --gains L=2", "names 'L' twice"),
+    ("evaluate pid-high --gains Li=200", "Lp^2 = 400 is not above 2 Li = 400; raise Lp above 20"),
+    ("evaluate pid-high pd-high --gains L=70", "--gains and --name are for one compensator; 2 were given"),
+    ("evaluate pid-high --name a|b", "--name is 'a|b'; give letters"),
+    ("evaluate pid-high --baselines nobody", "unknown compensator 'nobody'"),
+    ("evaluate mine.py:Mine --name pid-high", "two competitors are called 'pid-high'"),
+    ("sweep nobody --gains L=1:2:3", "unknown compensator 'nobody'"),
+    ("sweep mine.py:Mine --gains L=1:2:3", "'mine.py:Mine' has no gain 'L'; it takes bandwidth, sign"),
+    ("sweep pid-high --gains L=20:10:3", "L is '20:10:3'; give LOW below HIGH"),
+    ("sweep pid-high --gains L=a,b", "L is 'a'; give a value as TOML has it"),
+    ("sweep pid-high --gains L=true,false", "L is 'true'; a sweep is over numbers"),
+    ("sweep pid-high --gains L=1,1.0", "L is '1,1.0'; it names a value twice"),
+    ("sweep pid-high --gains Lp=1,2 --env FJRNothing-v0", "unknown environment 'FJRNothing-v0'"),
     ("leaderboard --quick --protocol full", "--quick and --protocol exclude each other"),
     ("leaderboard --protocol nothing.toml", "there is no protocol 'nothing.toml'; name a TOML file or one of full"),
     ("leaderboard --protocol [notes].toml", "protocol [notes].toml: "),
-    ("evaluate syntax.py:Mine", "syntax.py:Mine"),
     ("evaluate tiny.toml", "entry tiny.toml: missing keys ['spec', 'authors', 'link'], unknown keys ['split', "),
     ("leaderboard --protocol tiny.toml --submissions nowhere", "there is no folder nowhere"),
     ("leaderboard --protocol tiny.toml --address here", "add --backend ray"),
@@ -276,3 +368,99 @@ def test_wrong_usage(folder: Path, command: str, message: str) -> None:
     assert result.code == 2
     assert message in result.err
     assert "Usage" in result.err
+
+
+# Tables on a narrow terminal
+
+WIDE = Ranking(
+    "FJRStiction-v0, nominal",
+    ["rank", "compensator", "FRR", "95 % interval", "ranks", "group", "rest error [mm]", "lag [ms]", "verdict"],
+    [["1", "a-long-name of mine", "0.9838", "0.9821 ... 0.9852", "1 ... 3", "ab", "0.0124", "5.1", "best"]] * 2
+    + [["", "theirs", "", "", "", "", "", "", "failed: KeyError: a long tale, which is told to its very end"]],
+)
+SETS = [f"{env}, {variant}" for env in fo_gym.ENVIRONMENTS for variant in VARIANTS]
+SUMMARY = Ranking("Friction rejection ratio", ["compensator", *SETS], [["pid-measured", *map(str, range(9))]])
+
+
+@pytest.mark.parametrize("width", [60, 80, 100, 140])
+@pytest.mark.parametrize("ranking", [WIDE, SUMMARY])
+def test_tables_fit_the_terminal(
+    ranking: Ranking, width: int, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(view, "console", Console(width=width))
+    view.print_tables([ranking])
+    printed = capsys.readouterr().out
+    assert max(len(line) for line in printed.splitlines() if not line.startswith("left out")) <= width
+    assert "…" not in printed
+    named = {heading for heading in ranking.headings if all(word in printed for word in heading.split())}
+    assert named == set(ranking.headings)  # as a column, or as what was left out
+    if ranking is SUMMARY:
+        places = [cell for line in printed.splitlines() if "pid-measured" in line for cell in line.strip("│ ").split()]
+        assert [cell for cell in places if cell.isdigit()] == list("012345678")
+
+
+def test_a_wide_terminal_has_every_column(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    for width, left_out in ((140, False), (80, True)):
+        monkeypatch.setattr(view, "console", Console(width=width))
+        view.print_tables([WIDE])
+        assert ("left out" in capsys.readouterr().out) == left_out
+
+
+# Extras and plug-ins
+
+
+def test_how_to_install_an_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In a clone as the Makefile does it; else by the name of the package."""
+    clone = json.dumps({"url": "file:///somewhere", "dir_info": {"editable": True}})
+    in_place = ".venv/bin/pip install -c constraints.txt -e '.[tune]' (in the folder of the clone)"
+    for noted, command in (
+        (clone, in_place),
+        (None, "pip install 'fo-gym[tune]'"),
+        (json.dumps({"url": "file:///somewhere", "dir_info": {}}), "pip install 'fo-gym[tune]'"),
+    ):
+        installed = SimpleNamespace(read_text=lambda name, noted=noted: noted)
+        monkeypatch.setattr(extras, "distribution", lambda name, installed=installed: installed)
+        assert extras.install_command("tune") == command
+
+    def nowhere(name: str) -> None:
+        raise PackageNotFoundError(name)
+
+    monkeypatch.setattr(extras, "distribution", nowhere)
+    assert extras.install_command("tune") == in_place
+
+
+def test_extras_are_those_of_the_project() -> None:
+    """Every message names an extra that pyproject.toml has."""
+    root = Path(__file__).parents[1]
+    known = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
+    sources = [
+        path.read_text(encoding="utf-8") for part in ("fo_gym", "baselines") for path in (root / part).rglob("*.py")
+    ]
+    named = {extra for source in sources for extra in re.findall(r"install_command\(['\"](\w+)", source)}
+    assert {"ray", "reproduce", "rl", "tune"} == named <= set(known)
+    assert not [
+        source for source in sources if "pip install 'fo-gym[" in source and "def install_command" not in source
+    ]
+
+
+def test_commands_of_plug_ins(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """Listed without being imported, run when called; one that is broken or has a name of ours spoils nothing."""
+    (tmp_path / "greeting.py").write_text(
+        'def greet(name: str) -> None:\n    """Greet somebody."""\n    print(f"hello {name}")\n', encoding="utf-8"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    values = {"greet": "greeting:greet", "broken": "nowhere:at_all", "list": "greeting:greet"}
+    entries = [EntryPoint(name, value, "fo_gym.commands") for name, value in values.items()]
+    monkeypatch.setattr(cli, "entry_points", lambda group: entries)
+    listed = run("--help")
+    assert "greet" in listed.out
+    assert "fo-gym: command 'list' of greeting:greet is left out: the name is taken" in capsys.readouterr().err
+    assert "greeting" not in sys.modules
+    assert run("greet", "you").out == "hello you\n"
+    assert "Greet somebody." in run("greet", "--help").out
+    wrong = run("broken")
+    assert wrong.code == 2
+    assert "command 'broken' of nowhere:at_all cannot be loaded: No module named 'nowhere'" in wrong.err
+    assert "FJRStiction-v0" in run("list").out

@@ -44,8 +44,9 @@ def test_the_compensator_of_the_readme_is_scored(tmp_path: Path, monkeypatch: py
 def test_the_environments_of_the_readme_run() -> None:
     names: dict[str, object] = {}
     exec(BLOCKS[1], names)
-    rows, envs = names["rows"], names["envs"]
+    rows, grid, envs = names["rows"], names["grid"], names["envs"]
     assert len(rows) == 5  # type: ignore[arg-type]
+    assert grid[["L", "Lp"]].to_numpy().tolist() == [[L, Lp] for L in (50, 100, 200) for Lp in (20, 30)]  # type: ignore[index]
     assert isinstance(envs, gym.vector.VectorEnv)
     assert envs.num_envs == 256
 

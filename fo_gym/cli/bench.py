@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-import pandas as pd
 import typer
 from rich.markup import escape
 from rich.table import Table
 
-from fo_gym import ENVIRONMENTS
-from fo_gym.bench.report import EXPLANATION, counts, view, write_bench
-from fo_gym.bench.run import FULL, MISSES, QUICK, bench, check_envs, count
 from fo_gym.console import Stop, check_folder, console, progress_bar, tell_written
-from fo_gym.plant.plant import MAX_ENVS
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 __all__ = ["run_bench"]
 
@@ -23,7 +21,7 @@ __all__ = ["run_bench"]
 def run_bench(
     env: Annotated[list[str] | None, typer.Option(help="Environment id, repeatable; all by default.")] = None,
     num_envs: Annotated[
-        int | None, typer.Option(min=1, max=MAX_ENVS, help="Environments of the batch; 256, or 16 with --quick.")
+        int | None, typer.Option(min=1, help="Environments of the batch; 256, or 16 with --quick.")
     ] = None,
     repeats: Annotated[
         int | None, typer.Option(min=1, help="Rounds, in each of which everybody is timed once; 15, or 3 with --quick.")
@@ -46,6 +44,13 @@ def run_bench(
 
         fo-gym bench --quick
     """
+    from fo_gym import ENVIRONMENTS
+    from fo_gym.bench.report import EXPLANATION, counts, write_bench
+    from fo_gym.bench.run import FULL, QUICK, bench, check_envs, count
+    from fo_gym.plant.plant import MAX_ENVS
+
+    if num_envs is not None and num_envs > MAX_ENVS:
+        raise Stop(f"--num-envs is {num_envs}; give at most {MAX_ENVS}")
     size = QUICK if quick else FULL
     size = replace(size, num_envs=num_envs or size.num_envs, repeats=repeats or size.repeats)
     env_ids = env or list(ENVIRONMENTS)
@@ -65,6 +70,9 @@ def run_bench(
 
 
 def _view(table: pd.DataFrame) -> Table:
+    from fo_gym.bench.report import view
+    from fo_gym.bench.run import MISSES
+
     ranking = view(table)
     words = {"env", "measured", "beside", "verdict"}
     shown = Table(title=ranking.title)

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
-import pandas as pd
 import typer
 from rich.markup import escape
 from rich.table import Table
 
 from fo_gym.console import Stop, check_folder, check_jobs, console, errors, progress_bar, say, tell_written
+from fo_gym.extras import install_command
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 __all__ = ["run_reproduce"]
 
@@ -40,11 +43,11 @@ def run_reproduce(
     """
     check_jobs(jobs)
     try:
-        from fo_gym.reproduction.report import counts, write_reproduction  # noqa: PLC0415
-        from fo_gym.reproduction.run import PARTS, reproduce, size, surprises  # noqa: PLC0415
-        from fo_gym.reproduction.subject import Subject  # noqa: PLC0415
+        from fo_gym.reproduction.report import counts, write_reproduction
+        from fo_gym.reproduction.run import PARTS, reproduce, size, surprises
+        from fo_gym.reproduction.subject import Subject
     except ModuleNotFoundError as error:  # Pinocchio is heavy, and nothing else needs it
-        raise Stop(f"{error}; install what `fo-gym reproduce` needs with: pip install 'fo-gym[reproduce]'") from error
+        raise Stop(f"{error}; install what `fo-gym reproduce` needs with: {install_command('reproduce')}") from error
     parts = PARTS if only is None else (only,)
     folder = out or Path("build/reproduce" if quick else "leaderboard")
     check_folder("--out", folder)
@@ -61,7 +64,7 @@ def run_reproduce(
 
 
 def _view(title: str, table: pd.DataFrame) -> Table:
-    from fo_gym.reproduction.report import number, tolerance  # noqa: PLC0415
+    from fo_gym.reproduction.report import number, tolerance
 
     view = Table(title=title)
     for heading in ("id", "number", "tolerance", "verdict"):

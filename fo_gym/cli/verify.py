@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections import Counter
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from fo_gym.cli.work import Address, Jobs, Submissions, Workers, check_workers, submissions_of, working
 from fo_gym.console import Stop, say
-from fo_gym.evaluation.verify import MISMATCH, OTHER, SAME, Comparison, contests_of, published, sampled, verify
+
+if TYPE_CHECKING:
+    from fo_gym.evaluation.verify import Comparison
 
 __all__ = ["run_verify"]
 
@@ -38,6 +40,8 @@ def run_verify(
 
         fo-gym verify build/mine --sample 20 --seed 7
     """
+    from fo_gym.evaluation.verify import contests_of, published, sampled, verify
+
     check_workers(jobs, backend, address)
     try:
         rows = sampled(published(folder), sample, seed)
@@ -52,6 +56,8 @@ def run_verify(
 
 def _tell(found: list[Comparison]) -> None:
     """What came out, row by row where it differs; stops with exit code 2 at a mismatch."""
+    from fo_gym.evaluation.verify import MISMATCH, OTHER, SAME
+
     counts = Counter(comparison.verdict for comparison in found)
     for comparison in found:
         if comparison.verdict == SAME:

@@ -1,18 +1,21 @@
-"""What the commands that run episodes share: who does the work, and how it ends early."""
+"""What the commands that run episodes share: their options, who does the work, and how it ends early."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
 from fo_gym.console import Stop, check_jobs, errors, progress_bar, say
-from fo_gym.evaluation.backends import Backend, BackendError, Name, backend_of
-from fo_gym.evaluation.competitor import Competitor
-from fo_gym.evaluation.entry import submissions_in
+
+if TYPE_CHECKING:
+    from fo_gym.evaluation.backends import Backend, Name
+    from fo_gym.evaluation.competitor import Competitor
+    from fo_gym.evaluation.run import Contest, Results
+    from fo_gym.evaluation.store import Store
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells have it."""
@@ -21,7 +24,10 @@ SUBMISSIONS = Path("leaderboard/submissions")
 """Where entries of others are looked for, whatever the folder of the results."""
 
 Jobs = Annotated[int, typer.Option(help="Worker processes; -1 = one per core.")]
-Workers = Annotated[Name, typer.Option("--backend", help="joblib: this machine; ray: a Ray cluster, started for it.")]
+Workers = Annotated[
+    Literal["joblib", "ray"],
+    typer.Option("--backend", help="joblib: this machine; ray: a Ray cluster, started for it."),
+]
 Address = Annotated[
     str | None, typer.Option(help="A running Ray cluster to use instead; it has its own number of workers.")
 ]
@@ -36,10 +42,12 @@ Traced = Annotated[
 StoreFolder = Annotated[
     Path, typer.Option(file_okay=False, help="Folder in which finished runs are kept, and looked for.")
 ]
+STORE = Path("build/store")
 Fresh = Annotated[bool, typer.Option("--fresh", help="Compute everything, whatever the store holds.")]
 
 __all__ = [
     "INTERRUPTED",
+    "STORE",
     "Address",
     "Fresh",
     "Jobs",
@@ -48,7 +56,10 @@ __all__ = [
     "Traced",
     "Workers",
     "check_workers",
+    "fail_if_failed",
     "note",
+    "run_behind_bar",
+    "store_in",
     "submissions_of",
     "working",
 ]
@@ -79,6 +90,8 @@ def working(
         runs: how often the bar will be told.
         kept: what to say of the runs that are finished when it ends early.
     """
+    from fo_gym.evaluation.backends import BackendError, backend_of
+
     try:
         with backend_of(backend, jobs, address) as workers, progress_bar(runs) as advance:
             yield workers, lambda label: advance(label, 1)
@@ -89,8 +102,47 @@ def working(
         raise typer.Exit(INTERRUPTED) from None
 
 
+def store_in(folder: Path, *, fresh: bool) -> Store:
+    """The store of the options --store and --fresh."""
+    from fo_gym.evaluation.store import Store
+
+    return Store(folder, fresh=fresh, notice=note)
+
+
+def run_behind_bar(
+    contests: Sequence[Contest],
+    stamp: str,
+    store: Store,
+    jobs: int,
+    *,
+    backend: Name = "joblib",
+    address: str | None = None,
+) -> Results:
+    """Run contests behind a progress bar, with a store: what was taken from there is told."""
+    from fo_gym.evaluation.run import run_contests
+
+    runs = sum(1 + len(contest.competitors) for contest in contests)
+    kept = f"; finished runs are kept in {store.folder}, the same command goes on with them"
+    with working(backend, jobs, address, runs, kept) as (workers, told):
+        results = run_contests(contests, stamp, backend=workers, store=store, on_run=told)
+    note(f"{results.stored} of {results.runs} runs were taken from {store.folder}")
+    return results
+
+
+def fail_if_failed(results: Results, compensators: Iterable[str]) -> None:
+    """A compensator that the user asked for and that failed makes the command fail, after its row was shown."""
+    from fo_gym.evaluation.evaluate import FAILED
+
+    episodes = results.episodes
+    failed = episodes[(episodes["status"] == FAILED) & episodes["compensator"].isin(list(compensators))]
+    if len(failed):
+        raise Stop(str(failed["error"].iloc[0]))
+
+
 def submissions_of(folder: Path | None) -> tuple[Competitor, ...]:
     """The submissions in a folder; by default in `SUBMISSIONS`, where there is one."""
+    from fo_gym.evaluation.entry import submissions_in
+
     if folder is None and not SUBMISSIONS.is_dir():
         return ()
     try:

@@ -1,0 +1,138 @@
+"""`fo-gym evaluate`: your compensator beside others."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from fo_gym.cli.gains import gains_of
+from fo_gym.cli.view import print_rankings
+from fo_gym.cli.work import STORE, Fresh, Jobs, StoreFolder, Traced, fail_if_failed, note, run_behind_bar, store_in
+from fo_gym.console import Stop, check_folder, check_jobs, tell_written
+
+if TYPE_CHECKING:
+    from fo_gym.evaluation.competitor import Competitor
+    from fo_gym.evaluation.protocol import Protocol
+    from fo_gym.evaluation.run import Results
+    from fo_gym.evaluation.store import Store
+
+BESIDE = "pid-low,pid-high,pd-low,pd-high,letien-low,letien-high"
+"""Whom `fo-gym evaluate` runs beside what it is given: the observers of arXiv:1907.00553."""
+
+__all__ = ["BESIDE", "run_evaluate"]
+
+
+def run_evaluate(
+    compensators: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="COMPENSATOR...", help="Registered name, module:Class, file.py:Class, or entry (*.toml)."
+        ),
+    ],
+    env: Annotated[str, typer.Option(help="Environment id; see `fo-gym list`.")] = "FJRStiction-v0",
+    variant: Annotated[str, typer.Option(help="nominal (one episode), randomized or hardware.")] = "nominal",
+    seeds: Annotated[int, typer.Option(min=1, help="Episodes, from the validation seeds.")] = 20,
+    gains: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=VALUE", help="Keyword argument of the class, repeatable; values as in TOML."),
+    ] = None,
+    name: Annotated[str | None, typer.Option(help="What the tables call it; by default what you named.")] = None,
+    baselines: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME,...",
+            help="Whom to run beside it. The references none and ideal run always: --baselines none leaves them alone.",
+        ),
+    ] = BESIDE,
+    out: Annotated[
+        Path | None, typer.Option(file_okay=False, help="Folder for the CSV files, page and figures.")
+    ] = None,
+    traces: Traced = False,
+    jobs: Jobs = -1,
+    store: StoreFolder = STORE,
+    fresh: Fresh = False,
+) -> None:
+    """Score compensators beside none, ideal and the paper's observers, on validation seeds.
+
+    What you name first runs for a moment, so that an error in it shows at once. Finished runs are kept in the store:
+    the same command again only shows them.
+
+    Examples:
+        fo-gym evaluate mine.py:Mine --env FJRStiction-v0
+
+        fo-gym evaluate mine.py:Mine --gains level=0.8 --name mine-0.8 --baselines pid-high,letien-high
+
+        fo-gym evaluate pid-high --gains L=70 --gains Lp=14 --gains Li=49 --variant randomized --seeds 5
+
+        fo-gym evaluate pid-high --env FJRSquare-v0 --baselines none --out build/mine
+
+        fo-gym evaluate leaderboard/submissions/theirs.toml
+    """
+    from fo_gym.compensators import BUILT_IN
+    from fo_gym.evaluation.entry import check_names, competitor_of, handed_over
+    from fo_gym.evaluation.protocol import Protocol
+
+    check_jobs(jobs)
+    if traces and out is None:
+        raise Stop("--traces are written beside the results; add --out DIR, or leave --traces out")
+    if out is not None:
+        check_folder("--out", out)
+    check_folder("--store", store)
+    if len(compensators) > 1 and (gains or name):
+        raise Stop(f"--gains and --name are for one compensator; {len(compensators)} were given")
+    replaced = gains_of(gains or ())
+    done = {*BUILT_IN, *(compensators if not replaced and name is None else ())}
+    others = dict.fromkeys(part.strip() for part in baselines.split(",") if part.strip())
+    try:
+        given = [handed_over(text, replaced, name) for text in compensators]
+        everybody = (*given, *(competitor_of(text) for text in others if text not in done))
+        check_names(everybody)
+        names = tuple(competitor.name for competitor in everybody)
+        protocol = Protocol("evaluate", "validation", seeds, (env,), (variant,), names)
+    except ValueError as error:
+        raise Stop(str(error)) from error
+    for competitor in everybody:
+        with _telling(), competitor.playing(env, variant):
+            pass
+    results = _run(everybody, protocol, store_in(store, fresh=fresh), jobs, traced=traces)
+    print_rankings(results)
+    if out is not None:
+        from fo_gym.evaluation.report import write_results
+
+        tell_written(write_results(protocol, results, out, traced=traces))
+    fail_if_failed(results, (competitor.name for competitor in given))
+
+
+def _run(everybody: Sequence[Competitor], protocol: Protocol, store: Store, jobs: int, *, traced: bool) -> Results:
+    """Everybody on the episodes of the protocol; who is not in the store yet meets the first moments before."""
+    from fo_gym.compensators import BUILT_IN
+    from fo_gym.evaluation.evaluate import EpisodeSet
+    from fo_gym.evaluation.meeting import meet
+    from fo_gym.evaluation.run import Contest
+
+    (env,), (variant,) = protocol.environments, protocol.variants
+    episodes = EpisodeSet(env, variant, protocol.seeds_of(variant), {}, traced)
+    for competitor in everybody:
+        if store.load(episodes, competitor) is None:
+            with _telling():
+                meet(competitor, episodes)
+    running = tuple(competitor for competitor in everybody if competitor.name not in BUILT_IN)
+    return run_behind_bar([Contest(episodes, running)], protocol.stamp, store, jobs)
+
+
+@contextmanager
+def _telling() -> Iterator[None]:
+    """Stop at what a competitor raises, with the lines of the user's code that took part."""
+    from fo_gym.compensators import CompensatorError
+    from fo_gym.evaluation.guard.faults import trace_of
+
+    try:
+        yield
+    except (ValueError, TypeError, CompensatorError) as error:
+        if told := trace_of(error):
+            note(told)
+        raise Stop(str(error)) from error

@@ -1,0 +1,76 @@
+"""The option --gains: NAME=VALUE, or NAME=VALUES for a sweep."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from fo_gym.console import Stop
+
+_RANGE = re.compile(r"(?P<low>[^:,]+):(?P<high>[^:,]+):(?P<count>\d+)(?P<linear>:linear)?")
+_RANGE_FORM = "LOW:HIGH:COUNT, LOW:HIGH:COUNT:linear, or values with commas between"
+_DIGITS = 6
+
+__all__ = ["gain_sets", "gains_of"]
+
+
+def gains_of(options: Iterable[str]) -> dict[str, Any]:
+    """Gains by name of options NAME=VALUE; values are read as TOML. Stops at what is none."""
+    return {name: _value(name, text) for name, text in _split(options, "VALUE, such as L=70").items()}
+
+
+def gain_sets(options: Iterable[str]) -> Mapping[str, list[float]]:
+    """The values of each gain of a sweep, from options NAME=VALUES.
+
+    LOW:HIGH:COUNT is geometric where both ends are above 0, else linear; values are rounded to six digits, so that
+    tables show what was run.
+    """
+    return {name: _values(name, text) for name, text in _split(options, f"VALUES, that is {_RANGE_FORM}").items()}
+
+
+def _split(options: Iterable[str], form: str) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for option in options:
+        name, equals, text = option.partition("=")
+        if not (equals and name.isidentifier()):
+            raise Stop(f"--gains is {option!r}; give NAME={form}")
+        if name in found:
+            raise Stop(f"--gains names {name!r} twice; give it once")
+        found[name] = text
+    return found
+
+
+def _value(name: str, text: str) -> Any:
+    try:
+        content = tomllib.loads(f"value = {text}")
+    except tomllib.TOMLDecodeError:
+        content = {}
+    if set(content) != {"value"}:
+        raise Stop(f"--gains: {name} is {text!r}; give a value as TOML has it: a number, true, false, or a quoted text")
+    return content["value"]
+
+
+def _number(name: str, text: str) -> float:
+    value = _value(name, text.strip())
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise Stop(f"--gains: {name} is {text!r}; a sweep is over numbers: {_RANGE_FORM}")
+    return float(value)
+
+
+def _values(name: str, text: str) -> list[float]:
+    from numpy import geomspace, linspace
+
+    found = _RANGE.fullmatch(text)
+    if found is None:
+        values = [_number(name, part) for part in text.split(",")]
+    else:
+        low, high, count = _number(name, found["low"]), _number(name, found["high"]), int(found["count"])
+        if not (-float("inf") < low < high < float("inf") and count >= 2):
+            raise Stop(f"--gains: {name} is {text!r}; give LOW below HIGH, both finite, and a COUNT of at least 2")
+        spaced = linspace if found["linear"] or low <= 0 else geomspace
+        values = [float(f"{value:.{_DIGITS}g}") for value in spaced(low, high, count)]
+    if len(set(values)) < len(values):
+        raise Stop(f"--gains: {name} is {text!r}; it names a value twice")
+    return values

@@ -1,0 +1,113 @@
+"""`fo-gym sweep`: a compensator over a grid of gains."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.markup import escape
+from rich.table import Table
+
+from fo_gym.cli.gains import gain_sets
+from fo_gym.cli.work import STORE, Fresh, Jobs, StoreFolder, note, run_behind_bar, store_in
+from fo_gym.console import Stop, check_folder, check_jobs, console, tell_written
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_SHOWN = 10
+
+__all__ = ["run_sweep"]
+
+
+def run_sweep(
+    compensator: Annotated[
+        str, typer.Argument(help="Registered name, module:Class, file.py:Class, or entry (*.toml).")
+    ],
+    gains: Annotated[
+        list[str],
+        typer.Option(
+            metavar="NAME=VALUES",
+            help="What is swept, repeatable. LOW:HIGH:COUNT is COUNT values, geometric where both ends are above 0; "
+            "LOW:HIGH:COUNT:linear; or values with commas between.",
+        ),
+    ],
+    env: Annotated[list[str] | None, typer.Option(help="Environment id, repeatable; FJRStiction-v0.")] = None,
+    variant: Annotated[
+        list[str] | None, typer.Option(help="nominal (one episode), randomized or hardware, repeatable; nominal.")
+    ] = None,
+    seeds: Annotated[int, typer.Option(min=1, help="Episodes, from the validation seeds.")] = 20,
+    out: Annotated[Path | None, typer.Option(file_okay=False, help="Folder for sweep.csv and sweep.png.")] = None,
+    jobs: Jobs = -1,
+    store: StoreFolder = STORE,
+    fresh: Fresh = False,
+) -> None:
+    """Score a compensator with every combination of some gains, on the same episodes.
+
+    Sets of gains that the compensator refuses get rows with the status "failed" and the reason; the others go on.
+    sweep.csv has a row per set and episode, with a column for each gain; sweep.png a curve over one gain, or a map
+    over two. Finished sets are kept in the store.
+
+    Examples:
+        fo-gym sweep pd-high --gains L=20:400:10 --gains Lp=4:80:10
+
+        fo-gym sweep mine.py:Mine --gains level=0.6,0.8,1.0 --variant randomized --seeds 5 --out build/sweep
+    """
+    from fo_gym.compensators import CompensatorError
+    from fo_gym.evaluation.protocol import Protocol
+
+    check_jobs(jobs)
+    if out is not None:
+        check_folder("--out", out)
+    check_folder("--store", store)
+    values = gain_sets(gains)
+    envs, variants = tuple(env or ["FJRStiction-v0"]), tuple(variant or ["nominal"])
+    try:
+        protocol = Protocol("sweep", "validation", seeds, envs, variants, (compensator,))
+        from fo_gym.evaluation.evaluate import EpisodeSet
+        from fo_gym.evaluation.sweep import Grid, Plan
+
+        sets = [EpisodeSet(each, how, protocol.seeds_of(how), {}) for each in envs for how in variants]
+        plan = Plan(Grid(compensator, values), sets, jobs)
+    except (ValueError, TypeError, CompensatorError) as error:
+        raise Stop(str(error)) from error
+    table = plan.table(run_behind_bar(plan.contests, "", store_in(store, fresh=fresh), jobs))
+    _print(table, list(values))
+    if out is not None:
+        tell_written(_write(table, list(values), out))
+
+
+def _print(table: pd.DataFrame, gains: Sequence[str]) -> None:
+    """The best sets of every environment and variant, and how many failed."""
+    from fo_gym.evaluation.evaluate import FAILED
+    from fo_gym.evaluation.sweep import summary_of
+
+    for key, rows in summary_of(table, gains).groupby(["env", "variant"], sort=False):
+        best = rows.sort_values("frr", ascending=False, kind="stable", na_position="last").head(_SHOWN)
+        best = best[best["status"] != FAILED]
+        view = Table(title=f"{key[0]}, {key[1]}", caption=f"the best {len(best)} of {len(rows)} sets")
+        for heading in (*gains, "FRR", "worst episode", "status"):
+            view.add_column(escape(heading), justify="right", overflow="fold")
+        for row in best.to_dict("records"):
+            numbers = [f"{row[gain]:.6g}" for gain in gains] + [f"{row[name]:.4f}" for name in ("frr", "frr_worst")]
+            view.add_row(*numbers, row["status"])
+        console.print(view)
+        failed = rows[rows["status"] == FAILED]
+        if len(failed):
+            note(f"{len(failed)} of {len(rows)} sets failed; the first: {failed['error'].iloc[0]}")
+
+
+def _write(table: pd.DataFrame, gains: Sequence[str], out: Path) -> list[Path]:
+    from fo_gym.evaluation.sweep_figure import sweep_figure
+    from fo_gym.files import atomic, csv, draft_of
+
+    written = [out / "sweep.csv"]
+    atomic(written[0], csv(table))
+    if len(gains) > 2:
+        note(f"no figure: it is drawn over one gain or two, not {len(gains)}")
+        return written
+    with draft_of(out / "sweep.png") as draft:
+        sweep_figure(table, gains).savefig(draft, dpi=110, metadata={"Software": None})
+    return [*written, out / "sweep.png"]
