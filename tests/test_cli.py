@@ -209,8 +209,8 @@ def test_out_is_written_and_told(scored: Outcome, folder: Path) -> None:
     assert {folder / path for path in told} == files
 
 
-def test_what_fails_late_fails_after_the_table(folder: Path, short_stiction: str) -> None:
-    command = ["evaluate", "pid-high", "mine.py:Late", "--env", short_stiction, "--store", "short"]
+def test_what_fails_late_fails_after_the_table(folder: Path) -> None:
+    command = ["evaluate", "pid-high", "mine.py:Late", "--env", SQUARE, "--store", "short"]
     result = run(*command, "--jobs", "1", "--baselines", "none")
     assert result.code == 2
     rows = table_rows(result.out)
@@ -241,10 +241,10 @@ def test_what_fails_at_once_is_shown_at_once_with_its_own_lines(folder: Path) ->
     assert written(folder) == before
 
 
-def test_gains_and_a_name_and_chosen_baselines(folder: Path, short_stiction: str) -> None:
+def test_gains_and_a_name_and_chosen_baselines(folder: Path) -> None:
     """The gains arrive, the row is the user's own, and the same command again computes nothing."""
     command = ["evaluate", "mine.py:Mine", "--gains", "bandwidth=50", "--gains", "sign=1.0", "--store", "short"]
-    command += ["--env", short_stiction, "--jobs", "1", "--baselines", "letien-low,none", "--out", "results/gains"]
+    command += ["--env", SQUARE, "--jobs", "1", "--baselines", "letien-low,none", "--out", "results/gains"]
     first = run(*command, "--name", "as low")
     assert first.code == 0, first.err
     rows = table_rows(first.out)

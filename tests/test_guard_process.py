@@ -20,6 +20,7 @@ import fo_gym
 from fo_gym import compensators
 from fo_gym.evaluation.competitor import BASELINE, SUBMISSION, Competitor
 from fo_gym.evaluation.guard import process
+from fo_gym.evaluation.guard.faults import EndedError
 from fo_gym.evaluation.guard.limits import Limits
 from fo_gym.evaluation.guard.proxy import Guarded
 from fo_gym.tuning.space import default_gains, search_space
@@ -95,10 +96,24 @@ def test_it_is_imported_nowhere_else(mine: str, capsys: pytest.CaptureFixture[st
     assert capsys.readouterr().err == 3 * "mine.py:Mine | \N{REPLACEMENT CHARACTER}[31mhello\n"
 
 
+def test_what_a_long_run_took_is_not_taken_from_its_ticks(mine: str) -> None:
+    """A tick has its limit whatever went before; the run as a whole has another one."""
+    info = fo_gym.JointInfo(1, *(np.ones((1, 1)) for _ in range(3)), control_dt=1e-3)
+    for spent, run, reason in ((25.0, 1800.0, None), (25.0, 20.0, r"it took longer than 20 s \(Limits.run\)")):
+        guarded = Guarded(mine, {}, Limits(tick=10.0, run=run))
+        guarded._spent = spent
+        if reason is None:
+            guarded.reset(info, 1)
+        else:
+            with pytest.raises(EndedError, match=reason):
+                guarded.reset(info, 1)
+        guarded.close()
+
+
 def test_mistakes_when_it_is_made_are_told_as_ever(mine: str) -> None:
     cases: list[tuple[str, dict[str, Any], type[Exception], str]] = [
         (mine, {"L": 11.0}, ValueError, r"^L is 11.0; it must be at most 10 \(mine.py, line \d+, in __init__\)(\n|$)"),
-        (mine, {"K": 1.0}, TypeError, "unexpected keyword argument 'K'"),
+        (mine, {"K": 1.0}, TypeError, "has no gain 'K'; it takes L, names"),
         (mine, {"L": -1.0}, fo_gym.CompensatorError, r"making it raised KeyError: 'negative' \(mine.py, line"),
         (mine, {"names": {1, 2}}, ValueError, "gains are .*; give text, numbers, lists and tables of them"),
         ("mine.py:Nobody", {}, ValueError, "mine.py has no 'Nobody'"),

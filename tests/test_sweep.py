@@ -255,7 +255,7 @@ def test_a_curve_over_one_gain_and_a_map_over_two() -> None:
         sweep_figure(table("a", "b", "c"), ["a", "b", "c"])
 
 
-@pytest.mark.usefixtures("short_stiction")
+@pytest.mark.usefixtures("short_episodes")
 def test_the_command(theirs: str) -> None:
     command = ["sweep", theirs, "--gains", "level=0.5,1.0,9.0", "--jobs", "1", "--out", "out"]
     outcomes = [CliRunner().invoke(app, command) for _ in range(2)]

@@ -206,7 +206,7 @@ class TestOfAStranger:
         (written,) = Path("results").glob("*.toml")
         return written.read_text(encoding="utf-8")
 
-    @pytest.mark.usefixtures("short_stiction")
+    @pytest.mark.usefixtures("short_episodes")
     def test_the_entry_is_accepted_where_it_lies(self, mine):
         text = self.tuned(mine, "--name", "mine-tuned")
         assert 'spec = "../../sources/mine.py:Mine"' in text
@@ -225,7 +225,7 @@ class TestOfAStranger:
         assert scores[0].loc["mine-tuned", "frr"] == scores[1].loc["mine-tuned", "frr"]
         assert scores[0].loc["mine-tuned", "status"] == "ok"
 
-    @pytest.mark.usefixtures("short_stiction")
+    @pytest.mark.usefixtures("short_episodes")
     def test_the_entry_credits_its_author_and_repeats_its_command(self, mine):
         text = self.tuned(mine, "--name", "mine tuned", "--author", 'A. "Ace" Author', "--author", "Élise Müller")
         assert load_entry(Path("results/mine tuned.toml")).authors == ('A. "Ace" Author', "Élise Müller")
@@ -236,7 +236,7 @@ class TestOfAStranger:
         assert CliRunner().invoke(app, [*again[1:], "--jobs", "1"]).exit_code == 0
         assert Path("results/mine tuned.toml").read_text(encoding="utf-8") == text
 
-    @pytest.mark.usefixtures("short_stiction")
+    @pytest.mark.usefixtures("short_episodes")
     def test_without_an_author_nobody_is_credited(self, mine):
         self.tuned(mine)
         entry = load_entry(Path("results/mine-Mine-tuned.toml"))

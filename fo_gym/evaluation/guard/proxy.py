@@ -155,7 +155,8 @@ class Guarded:
         """Ask within the limits of a tick and of the run."""
         left = self._limits.run - self._spent
         start = time.monotonic()
-        answer = self._ask(letter, content, "tick" if self._limits.tick < left else "run", self._spent)
+        bound = ("tick", 0.0) if self._limits.tick < left else ("run", self._spent)
+        answer = self._ask(letter, content, *bound)
         self._spent += time.monotonic() - start
         return answer
 
