@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 import typer
 import yaml
+from typer.testing import CliRunner
 
 import fo_gym
 from fo_gym.cli import app
@@ -17,6 +18,8 @@ from fo_gym.evaluation import seeds
 from fo_gym.evaluation.entry import load_entry
 from fo_gym.evaluation.leaderboard import STANDING
 from fo_gym.evaluation.protocol import shipped_protocols
+from fo_gym.reproduction import run
+from fo_gym.reproduction.claims import CLAIMS
 from fo_gym.tasks.variants import VARIANTS
 
 ROOT = Path(__file__).parents[1]
@@ -24,6 +27,14 @@ WORKFLOWS = sorted((ROOT / ".github" / "workflows").glob("*.yml"))
 PAGE = (ROOT / "docs" / "protocol.md").read_text(encoding="utf-8")
 TARGETS = set(re.findall(r"^([\w$()./-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
 TARGETS |= {target.replace("$(VENV)", ".venv") for target in TARGETS}
+PROTOCOL = f"""
+name = "one"
+split = "validation"
+seeds = 1
+environments = ["{fo_gym.ENVIRONMENTS[-1]}"]
+variants = ["nominal"]
+compensators = ["pd-low"]
+"""
 COMMANDS = set(typer.main.get_command(app).commands)
 
 
@@ -49,7 +60,10 @@ def check_command(command: str) -> None:
 
 def test_there_are_two_workflows() -> None:
     assert [path.stem for path in WORKFLOWS] == ["leaderboard", "test"]
-    wanted = {"leaderboard": {"make leaderboard", "make quick"}, "test": {"make check", "make test"}}
+    wanted = {
+        "leaderboard": {"make leaderboard", "make quick", ".venv/bin/fo-gym verify"},
+        "test": {"make check", "make test", "make test-portable"},
+    }
     for path in WORKFLOWS:
         assert wanted[path.stem] <= {step.get("run") for step in steps(path)}
 
@@ -78,10 +92,31 @@ def test_the_oldest_python_is_tested() -> None:
 
 def test_artifacts_are_where_the_commands_write() -> None:
     uploads = [step["with"] for step in steps(WORKFLOWS[0]) if "upload-artifact" in step.get("uses", "")]
-    assert [each["path"].split() for each in uploads] == [
-        ["leaderboard/*.csv", "leaderboard/leaderboard.md", "leaderboard/figures/"],
-        ["build/quick/"],
-    ]
+    assert [each["path"] for each in uploads] == ["build/leaderboard/", "build/quick/"]
+
+
+def test_only_what_is_told_to_publish_changes_what_is_published() -> None:
+    """Targets of make that name a folder, or a script of docs/, name one in build/, or are called publish."""
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    recipes = dict(re.findall(r"^([a-z-]+):.*\n((?:\t.*\n)+)", makefile, re.MULTILINE))
+    writers = {name: re.findall(r"--out (\S+)|python (docs/\S+)", text) for name, text in recipes.items()}
+    targets = {name: [out or script for out, script in each] for name, each in writers.items()}
+    assert targets.pop("test-portable") == ["docs/processors/elsewhere.py"]  # writes nothing itself
+    assert targets["publish"] == ["leaderboard", "leaderboard"]
+    assert {"leaderboard", "reproduce", "bench", "train", "tune"} <= set(targets)
+    others = {name: each for name, each in targets.items() if not name.startswith("publish")}
+    assert {name: each for name, each in others.items() if not all(path.startswith("build/") for path in each)} == {}
+
+
+def test_commands_write_into_build_where_nothing_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("one.toml").write_text(PROTOCOL, encoding="utf-8")
+    monkeypatch.setattr(run, "TABLES", {"claims": {"riccati-pid": CLAIMS["riccati-pid"]}})
+    for command in (["leaderboard", "--protocol", "one.toml"], ["reproduce", "--only", "claims"]):
+        assert CliRunner().invoke(app, [*command, "--jobs", "1"]).exit_code == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["build", "one.toml"]
+    written = {"leaderboard/episodes.csv", "leaderboard/processor.json", "reproduce/paper/claims.csv"}
+    assert all((tmp_path / "build" / name).is_file() for name in written)
 
 
 def test_citation() -> None:

@@ -33,7 +33,7 @@ def run_leaderboard(
     quick: Annotated[bool, typer.Option("--quick", help="The small protocol: two seeds.")] = False,
     out: Annotated[
         Path | None,
-        typer.Option(file_okay=False, help="Folder for the results; leaderboard, or build/quick with --quick."),
+        typer.Option(file_okay=False, help="Folder for the results; build/leaderboard, or build/quick."),
     ] = None,
     submissions: Submissions = None,
     traces: Traced = False,
@@ -61,7 +61,7 @@ def run_leaderboard(
 
     if quick and protocol is not None:
         raise Stop("--quick and --protocol exclude each other; give one of them")
-    folder = out or Path("build/quick" if quick else "leaderboard")
+    folder = out or Path("build/quick" if quick else "build/leaderboard")
     check_workers(jobs, backend, address)
     check_folder("--out", folder)
     check_folder("--store", store)

@@ -25,7 +25,7 @@ def run_reproduce(
     quick: Annotated[bool, typer.Option("--quick", help="Fewer random cases; same statements and tolerances.")] = False,
     out: Annotated[
         Path | None,
-        typer.Option(file_okay=False, help="Folder for the results; leaderboard, or build/reproduce with --quick."),
+        typer.Option(file_okay=False, help="Folder for the results; build/reproduce, or build/reproduce-quick."),
     ] = None,
     jobs: Annotated[int, typer.Option(help="Worker processes; -1 = one per core.")] = -1,
 ) -> None:
@@ -49,7 +49,7 @@ def run_reproduce(
     except ModuleNotFoundError as error:  # Pinocchio is heavy, and nothing else needs it
         raise Stop(f"{error}; install what `fo-gym reproduce` needs with: {install_command('reproduce')}") from error
     parts = PARTS if only is None else (only,)
-    folder = out or Path("build/reproduce" if quick else "leaderboard")
+    folder = out or Path("build/reproduce-quick" if quick else "build/reproduce")
     check_folder("--out", folder)
     with progress_bar(size(parts)) as advance:
         found = reproduce(parts, Subject(quick=quick), folder / "paper" / "figures", jobs=jobs, on_unit=advance)
