@@ -229,7 +229,7 @@ def test_gains_count_where_they_are_used() -> None:
     assert len({key(), key(spec="pd-high"), key(spec="none"), key(spec="ideal")}) == 4
 
 
-def test_the_suite_and_the_versions_count(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_suite_the_versions_and_the_processor_count(monkeypatch: pytest.MonkeyPatch) -> None:
     keys = {key()}
     suite = store_module.suite()
     changed = Content({**suite.files, "fo_gym.evaluation.metrics.rest": "other"}, suite.versions)
@@ -237,4 +237,20 @@ def test_the_suite_and_the_versions_count(monkeypatch: pytest.MonkeyPatch) -> No
     keys.add(key())
     monkeypatch.setattr(store_module, "versions", lambda: {"version_numpy": "9.9"})
     keys.add(key())
-    assert len(keys) == 3
+    monkeypatch.setattr(store_module, "processor", lambda: "x86_64 other 00000000")
+    keys.add(key())
+    assert len(keys) == 4
+
+
+@pytest.mark.usefixtures("first")
+def test_what_another_kind_of_machine_computed_is_not_kept() -> None:
+    """A worker of a cluster may be one."""
+    store = Store(Path("store"), notice=print)
+    episodes = EpisodeSet(SQUARE, "nominal", PROTOCOL.seeds_of("nominal"), {})
+    trial = store.load(episodes, NONE)
+    assert trial is not None
+    store.path_of(episodes, NONE).unlink()
+    store.save(episodes, NONE, replace(trial, rows=trial.rows.assign(processor="x86_64 other 00000000")))
+    assert store.load(episodes, NONE) is None
+    store.save(episodes, NONE, trial)
+    assert store.load(episodes, NONE) is not None

@@ -6,9 +6,11 @@ import platform
 from functools import lru_cache
 from importlib.metadata import version
 
+from fo_gym.evaluation.processor import processor
+
 PACKAGES = ("fo-gym", "gymnasium", "mujoco", "numba", "numpy", "scipy")
 
-_COLUMNS = ("origin", "competitor_hash", "protocol")
+_COLUMNS = ("origin", "competitor_hash", "protocol", "processor")
 
 __all__ = ["PACKAGES", "is_provenance", "provenance", "versions"]
 
@@ -31,9 +33,10 @@ def provenance(protocol: str = "", origin: str = "", competitor_hash: str = "") 
             instance.
 
     Returns:
-        Columns `origin`, `competitor_hash`, `protocol` and `version_*`.
+        Columns `origin`, `competitor_hash`, `protocol`, `processor` (see `processor`) and `version_*`.
     """
-    return {"origin": origin, "competitor_hash": competitor_hash, "protocol": protocol, **versions()}
+    made_by = {"origin": origin, "competitor_hash": competitor_hash, "protocol": protocol}
+    return {**made_by, "processor": processor(), **versions()}
 
 
 def is_provenance(column: str) -> bool:

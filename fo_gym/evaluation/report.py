@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pandas as pd
 
 from fo_gym.evaluation.figures import figures
 from fo_gym.evaluation.leaderboard import leaderboard
+from fo_gym.evaluation.processor import processor, processor_features
 from fo_gym.evaluation.protocol import Protocol
 from fo_gym.evaluation.run import Results
 from fo_gym.evaluation.tables import authors, explained, markdown, rankings, summary
@@ -56,7 +58,7 @@ def markdown_page(protocol: Protocol, results: Results, table: pd.DataFrame, pic
 
 
 def write_results(protocol: Protocol, results: Results, out: Path, *, traced: bool = False) -> list[Path]:
-    """Write episodes.csv, leaderboard.csv, timing.csv, leaderboard.md and the figures into `out`.
+    """Write episodes.csv, leaderboard.csv, timing.csv, leaderboard.md, processor.json and the figures into `out`.
 
     Args:
         protocol: what was run.
@@ -75,6 +77,7 @@ def write_results(protocol: Protocol, results: Results, out: Path, *, traced: bo
         "leaderboard.csv": csv(table),
         "timing.csv": csv(results.timing),
         "leaderboard.md": markdown_page(protocol, results, table, pictures),
+        "processor.json": json.dumps({processor(): dict(processor_features())}, indent=2) + "\n",
     }
     for name, text in texts.items():
         atomic(out / name, text)

@@ -6,8 +6,9 @@ A file per trial, DIR/ENV/VARIANT/KEY.trial: the SHA-256 of the rest in hexadeci
 A trial that is kept without traces is computed again where they are asked for; one with traces serves either way.
 
 The key covers the environment, the variant, the seeds and arguments, the competitor's spec, gains, source and weights,
-the source of the suite that computes, and the versions of the packages involved. It covers neither protocol nor names:
-two protocols share what they have in common. Failed trials are not kept: they are tried again.
+the source of the suite that computes, the versions of the packages involved, and the kind of machine. It covers neither
+protocol nor names: two protocols share what they have in common. Not kept are failed trials, which are tried again, and
+those of a worker on another kind of machine.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ import pandas as pd
 from fo_gym.evaluation.competitor import Competitor
 from fo_gym.evaluation.content import digest, suite
 from fo_gym.evaluation.evaluate import EpisodeSet
+from fo_gym.evaluation.processor import processor
 from fo_gym.evaluation.provenance import versions
 from fo_gym.evaluation.trace import Trace
 from fo_gym.evaluation.trial import Trial
@@ -41,17 +43,17 @@ __all__ = ["Store", "key_of"]
 def key_of(episodes: EpisodeSet, competitor: Competitor) -> str:
     """Hash of everything that decides a trial, in hexadecimal."""
     everything = suite()
+    # Whether traces are kept changes no row.
+    met = {each.name: getattr(episodes, each.name) for each in fields(episodes) if each.name != "traced"}
     return digest(
         {
             "format": _FORMAT,
-            "env": episodes.env_id,
-            "variant": episodes.variant,
-            "seeds": episodes.seeds,
-            "env_kwargs": dict(episodes.env_kwargs),
+            "episodes": met,
             "spec": competitor.spec,
             "competitor": competitor.hash_on(episodes.env_id, episodes.variant),
             "packages": {**everything.versions, **competitor.content.versions, **versions()},
             "suite": everything.files,
+            "processor": processor(),
         }
     )
 
@@ -119,8 +121,8 @@ class Store:
             return None
 
     def save(self, episodes: EpisodeSet, competitor: Competitor, trial: Trial) -> None:
-        """Keep a trial, whole or not at all; a failed one is not kept."""
-        if trial.failed:
+        """Keep a trial, whole or not at all; a failed one, or one of another kind of machine, is not kept."""
+        if trial.failed or (trial.rows["processor"] != processor()).any():
             return
         path = self.path_of(episodes, competitor)
         try:
