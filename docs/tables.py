@@ -1,4 +1,4 @@
-"""Put the published tables' summaries into the README and docs/learning.md: `python docs/tables.py`."""
+"""Put the published tables' summaries into the README and the pages of docs/: `python docs/tables.py`."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ import numpy as np
 import pandas as pd
 
 from fo_gym.evaluation.leaderboard import SET
+from fo_gym.evaluation.metrics import METRICS
+from fo_gym.evaluation.metrics.registry import HEADLINE
 from fo_gym.evaluation.statistics import interquartile_mean, paired_difference
 from fo_gym.evaluation.tables import Ranking, explained, finding, markdown, summary
 from fo_gym.files import read_csv
@@ -128,6 +130,37 @@ def training() -> str:
     return markdown(Ranking("", ["weights", "training", "of it the environment's"], cells))
 
 
+def _differences() -> pd.DataFrame:
+    """docs/processors/differences.csv, with the variants of exact sensors counted as one."""
+    table = pd.read_csv(ROOT / "docs" / "processors" / "differences.csv")
+    return table.assign(kind=table["variant"].where(table["variant"] == "hardware", "exact"))
+
+
+def tolerances() -> str:
+    """Each metric's tolerance beside the largest difference between instruction sets."""
+    largest = _differences().groupby(["metric", "kind"])[["calm_largest", "chaotic_largest"]].max()
+    cells = []
+    for name, metric in METRICS.items():
+        exact, hardware = (largest.loc[(name, kind), "calm_largest"] for kind in ("exact", "hardware"))
+        chaotic_largest = largest.loc[name, "chaotic_largest"].max()
+        numbers = (exact, metric.tolerance.exact, hardware, metric.tolerance.hardware, chaotic_largest)
+        cells.append([name, metric.unit, *(f"{each:.1e}" for each in numbers)])
+    headings = ["metric", "unit", "exact sensors", "tolerance", "hardware", "tolerance", "chaotic episodes"]
+    return markdown(Ranking("", headings, cells))
+
+
+def chaotic() -> str:
+    """How many episodes are chaotic, by environment, variant and instruction set."""
+    table = _differences()
+    table = table[table["metric"] == HEADLINE]
+    sets = list(dict.fromkeys(table["instruction_set"]))
+    cells = []
+    for (env, variant), rows in table.groupby(SET, sort=False):
+        counts = rows.set_index("instruction_set")["chaotic"]
+        cells.append([str(env), str(variant), str(rows["episodes"].iloc[0]), *(str(counts[name]) for name in sets)])
+    return markdown(Ranking("", ["environment", "variant", "episodes", *(f"chaotic, {name}" for name in sets)], cells))
+
+
 PAGES: dict[str, dict[str, Callable[[], str]]] = {
     "README.md": {
         "leaderboard": leaderboard,
@@ -136,6 +169,7 @@ PAGES: dict[str, dict[str, Callable[[], str]]] = {
         "claims": claims,
         "fidelity": fidelity,
     },
+    "docs/processors.md": {"tolerances": tolerances, "chaotic": chaotic},
     "docs/learning.md": {"learned": learned, "outside": outside, "ticks": ticks, "training": training},
 }
 """What stands between the marks of each name in each page."""

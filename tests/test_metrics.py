@@ -255,6 +255,7 @@ def test_scores_follow_the_registry() -> None:
 def test_metric_says_what_it_is(each: registry.Metric) -> None:
     assert each.name == "frr" or each.name.endswith(registry.UNIT_ENDINGS[each.unit])
     assert each.description.endswith(".")
+    assert 0.0 <= each.tolerance.exact <= each.tolerance.hardware
 
 
 def test_every_module_of_metrics_is_a_family() -> None:
@@ -273,4 +274,16 @@ WRONG = [
 @pytest.mark.parametrize(("name", "unit", "better", "message"), WRONG)
 def test_a_wrong_registration_is_refused(name: str, unit: str, better: Any, message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        registry.metric(name, unit=unit, better=better)(lambda _: 0.0)
+        registry.metric(name, unit=unit, better=better, tolerance=registry.Tolerance(0.0, 0.0))(lambda _: 0.0)
+
+
+def test_a_tolerance_is_wider_where_sensors_quantise() -> None:
+    tolerance = registry.Tolerance(0.1, 0.5)
+    for variant, limit in (("nominal", 0.1), ("randomized", 0.1), ("hardware", 0.5)):
+        assert tolerance.holds(0.0, -0.99 * limit, variant)
+        assert not tolerance.holds(0.0, 1.01 * limit, variant)
+        assert tolerance.holds(1e6, 1e6 + limit + 19.9, variant)  # two units in the sixth digit
+        assert not tolerance.holds(-1e6, -1e6 - limit - 20.1, variant)
+        assert tolerance.holds(math.nan, math.nan, variant)
+        assert not tolerance.holds(math.nan, 0.0, variant)
+        assert not tolerance.holds(0.0, math.nan, variant)

@@ -24,7 +24,7 @@ def run(*arguments: str) -> str:
     return done.stdout
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/learning.md"])
+@pytest.mark.parametrize("page", ["README.md", "docs/learning.md", "docs/processors.md"])
 def test_the_tables_are_the_published_ones(page: str) -> None:
     program = f"import tables; print(tables.page({page!r}), end='')"
     published = (ROOT / page).read_text(encoding="utf-8")
@@ -57,6 +57,7 @@ def test_every_file_that_the_pages_name_exists() -> None:
         "CONTRIBUTING.md",
         "docs/learning.md",
         "docs/protocol.md",
+        "docs/processors.md",
         "envs_assets/README.md",
         "docs/security.md",
     ):

@@ -15,7 +15,8 @@ from typer.testing import CliRunner
 
 from fo_gym.cli import app
 from fo_gym.evaluation.leaderboard import KEY
-from fo_gym.evaluation.verify import MISMATCH, OTHER, SAME, Comparison, published, sampled
+from fo_gym.evaluation.processor import processor
+from fo_gym.evaluation.published import published, sampled
 
 PROTOCOL = f"""
 name = "small"
@@ -96,7 +97,9 @@ def test_what_was_published_is_computed_again() -> None:
     result = run("verify", "out", "--sample", "99", "--protocol", "small.toml")
     assert (result.code, result.out) == (
         0,
-        f"{ROWS} rows of {RUNS} runs: {ROWS} same, 0 of other versions, 0 mismatch\n",
+        f"published on {processor()}, as here: compared to the byte\n"
+        f"{ROWS} rows of {RUNS} runs: {ROWS} same to the byte, 0 within tolerance, 0 chaotic, 0 of other versions, "
+        "0 mismatch\n",
     )
     assert "12/12" in result.err
     assert "12/12" not in run("verify", "out", "--sample", "1", "--protocol", "small.toml").err
@@ -108,10 +111,12 @@ def test_a_wrong_number_is_found() -> None:
     change(lambda table: table.assign(frr=table["frr"].mask(table["compensator"] == "pd-low", "0.999")))
     result = run("verify", "out", "--sample", "2")
     assert result.code == 2
-    first, second, *_, last = result.out.splitlines()
+    _, first, second, *_, last = result.out.splitlines()
     assert first == f"mismatch: {SQUARE} nominal pd-low 1000000000"
     assert re.fullmatch(r"    frr: 0\.999 published, 0\.\d+ now", second)
-    assert last == "2 rows of 2 runs: 1 same, 0 of other versions, 1 mismatch"
+    assert (
+        last == "2 rows of 2 runs: 1 same to the byte, 0 within tolerance, 0 chaotic, 0 of other versions, 1 mismatch"
+    )
     assert "1 rows cannot be reproduced" in result.err
 
 
@@ -119,7 +124,7 @@ def test_a_wrong_number_is_found() -> None:
 def test_other_versions_may_give_other_numbers() -> None:
     only("pd-low")
     change(lambda table: table.assign(version_numpy="1.0"))
-    assert "1 rows of 1 runs: 1 same" in run("verify", "out").out
+    assert "1 rows of 1 runs: 1 same to the byte" in run("verify", "out").out
     change(lambda table: table.assign(frr="0.999"))
     result = run("verify", "out")
     assert result.code == 0
@@ -175,10 +180,3 @@ def test_the_sample_is_whole_runs_and_repeatable() -> None:
         seen |= runs
     assert len(seen) > RUNS / 2
     pd.testing.assert_frame_equal(sampled(table, ROWS, 3), table)
-
-
-def test_verdicts() -> None:
-    row = ("e", "v", "c", "1")
-    assert Comparison(row, (), ("version_numpy: 1 published, 2 now",)).verdict == SAME
-    assert Comparison(row, ("frr: 1 published, 2 now",), ("version_numpy: 1 published, 2 now",)).verdict == OTHER
-    assert Comparison(row, ("frr: 1 published, 2 now",), ()).verdict == MISMATCH

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
@@ -154,6 +154,7 @@ def record(
     variant: str,
     seeds: Sequence[int],
     env_kwargs: Mapping[str, Any],
+    at_start: Callable[[JointVectorEnv], None] | None = None,
 ) -> Recording:
     """Run `compensator` on one batch, an episode per seed, each to its end.
 
@@ -164,6 +165,7 @@ def record(
         variant: variant of it.
         seeds: one per episode.
         env_kwargs: further arguments of the environment.
+        at_start: called with the environment when its episodes are drawn and nothing has moved yet; it may change them.
 
     Raises:
         CompensatorError: it raised, or returned what is not a finite (num_envs, dof) array.
@@ -173,20 +175,22 @@ def record(
         kwargs["friction"] = FRICTIONLESS
     _check_suite(env_id)
     env = cast("JointVectorEnv", gym.make_vec(env_id, num_envs=len(seeds), variant=variant, **kwargs).unwrapped)
-    obs, info = env.reset(seed=list(seeds))
+    env.reset(seed=list(seeds))
+    if at_start is not None:
+        at_start(env)
     checked_reset(compensator, name, env)
-    return _Recorder(env, obs, info).run(compensator, name)
+    return _Recorder(env).run(compensator, name)
 
 
 class _Recorder:
     """The arrays of a recording while it is made."""
 
-    def __init__(self, env: JointVectorEnv, obs: Array, info: Mapping[str, Any]) -> None:
+    def __init__(self, env: JointVectorEnv) -> None:
         self.env = env
         self.simulation = env.simulation
         self.dof = self.simulation.dof
         self.steps = self.simulation.last_tick // self.simulation.settings.decimation
-        self.signals = Signals.from_observation(obs, self.dof, env.available)
+        self.signals = Signals.from_observation(self.simulation.observation(), self.dof, env.available)
         sizes = {name: getattr(self.signals, name).shape[-1] for name in _TICK_SIGNALS}
         sizes |= dict.fromkeys(_TICK_TRUTH, self.dof)
         self.ticks = {name: np.empty((self.steps + 1, env.num_envs, size)) for name, size in sizes.items()}
@@ -197,7 +201,7 @@ class _Recorder:
         self.ended = np.full(env.num_envs, self.steps)
         self.terminations = [""] * env.num_envs
         self.seconds = np.empty(self.steps)
-        self._keep_tick(0, info)
+        self._keep_tick(0, self.simulation.truth())
 
     def _keep_tick(self, tick: int, info: Mapping[str, Any]) -> None:
         for name in _TICK_TRUTH:

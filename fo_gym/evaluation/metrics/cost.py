@@ -7,11 +7,11 @@ import math
 import numpy as np
 
 from fo_gym.evaluation.metrics.reductions import largest, rms
-from fo_gym.evaluation.metrics.registry import metric
+from fo_gym.evaluation.metrics.registry import Tolerance, metric
 from fo_gym.evaluation.record import Episode
 
 
-@metric("control_effort_ratio", unit="1", better="lower")
+@metric("control_effort_ratio", unit="1", better="lower", tolerance=Tolerance(1e-7, 2e-3))
 def control_effort(episode: Episode) -> float:
     """RMS of the motor torque as a fraction of its limit, worst joint.
 
@@ -20,7 +20,7 @@ def control_effort(episode: Episode) -> float:
     return largest(rms(episode.tau_m) / episode.torque_limit)
 
 
-@metric("torque_roughness_ratio", unit="1", better="lower")
+@metric("torque_roughness_ratio", unit="1", better="lower", tolerance=Tolerance(1e-6, 5e-4))
 def torque_roughness(episode: Episode) -> float:
     """RMS change of the motor torque from one period to the next as a fraction of its limit, worst joint.
 

@@ -7,14 +7,14 @@ import math
 import numpy as np
 
 from fo_gym.evaluation.metrics.reductions import smallest
-from fo_gym.evaluation.metrics.registry import metric
+from fo_gym.evaluation.metrics.registry import Tolerance, metric
 from fo_gym.evaluation.record import Episode
 
 _STUCK = 1e-4
 """Motor speed below which a joint counts as stuck, m/s or rad/s."""
 
 
-@metric("observer_work_in_stiction_j", unit="J", better="higher")
+@metric("observer_work_in_stiction_j", unit="J", better="higher", tolerance=Tolerance(1e-6, 0.03))
 def observer_work_in_stiction(episode: Episode) -> float:
     """Work that the observer takes up while its joint is stuck, smallest over joints; negative = it produced energy.
 
@@ -33,7 +33,7 @@ def observer_work_in_stiction(episode: Episode) -> float:
     return smallest(np.where(stuck.any(axis=0), work, np.nan))
 
 
-@metric("passivity_index_j", unit="J", better="higher")
+@metric("passivity_index_j", unit="J", better="higher", tolerance=Tolerance(1e-9, 1e-6))
 def passivity_index(episode: Episode) -> float:
     """Lowest energy that the push had put into the arm at any time; negative = the arm gave energy out.
 
@@ -50,7 +50,7 @@ def passivity_index(episode: Episode) -> float:
     return float(np.min(np.cumsum(work), initial=0.0))
 
 
-@metric("over_compensation_ratio", unit="1", better="lower")
+@metric("over_compensation_ratio", unit="1", better="lower", tolerance=Tolerance(1e-7, 3e-4))
 def over_compensation(episode: Episode) -> float:
     """Energy that the estimate feeds into the motion beyond what friction takes, as a share of what friction takes.
 

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.signal import correlate
 
 from fo_gym.evaluation.metrics.reductions import largest, rms
-from fo_gym.evaluation.metrics.registry import metric
+from fo_gym.evaluation.metrics.registry import Tolerance, metric
 from fo_gym.evaluation.record import Array, Episode
 
 _NO_FRICTION = 1e-9
@@ -24,7 +24,7 @@ _CONSTANT = 1e-12
 """A variance below this fraction of the signal's own is zero up to rounding."""
 
 
-@metric("estimate_rmse_ratio", unit="1", better="lower")
+@metric("estimate_rmse_ratio", unit="1", better="lower", tolerance=Tolerance(1e-5, 5e-3))
 def estimate_rmse(episode: Episode) -> float:
     """RMS error of the friction estimate as a fraction of the friction's own RMS, worst joint.
 
@@ -38,7 +38,7 @@ def estimate_rmse(episode: Episode) -> float:
     return largest(error[there] / friction[there])
 
 
-@metric("estimate_lag_ms", unit="ms", better="lower")
+@metric("estimate_lag_ms", unit="ms", better="lower", tolerance=Tolerance(1e-4, 0.9))
 def estimate_lag(episode: Episode) -> float:
     """Lag of the friction estimate behind the friction, on the joint with the largest friction RMS.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
@@ -27,6 +28,36 @@ HEADLINE = "frr"
 """The one name without a unit's ending: the friction rejection ratio."""
 
 
+ROUNDING = 2e-5
+"""Share of a value by which its text may differ: two units in the last of six digits."""
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """How far the value of an episode that is not chaotic may differ between processors.
+
+    |one - other| <= a + ROUNDING |one|, where a has two values: with exact sensors a last bit stays one, but where they
+    quantise it may turn an encoder's step into the next one. See docs/processors.md, where the numbers are from.
+
+    Attributes:
+        exact: a in the variants with exact sensors, in the metric's unit.
+        hardware: a in the variant "hardware".
+    """
+
+    exact: float
+    hardware: float
+
+    def of(self, published: float, variant: str) -> float:
+        """The difference that is allowed from a value."""
+        return (self.hardware if variant == "hardware" else self.exact) + ROUNDING * abs(published)
+
+    def holds(self, published: float, now: float, variant: str) -> bool:
+        """Whether two values of an episode are the same within this; NaN is the same as NaN alone."""
+        if math.isnan(published) or math.isnan(now):
+            return math.isnan(published) and math.isnan(now)
+        return abs(published - now) <= self.of(published, variant)
+
+
 @dataclass(frozen=True)
 class Metric:
     """One column of the results.
@@ -36,6 +67,7 @@ class Metric:
         unit: a key of `UNIT_ENDINGS`.
         better: whether "lower" or "higher" values are better.
         description: one line, the first of the function's docstring.
+        tolerance: how far the value of an episode may differ between processors.
         function: the metric itself; NaN where it does not apply.
     """
 
@@ -43,6 +75,7 @@ class Metric:
     unit: str
     better: Better
     description: str
+    tolerance: Tolerance
     function: Callable[[Episode], float]
 
     def __post_init__(self) -> None:
@@ -64,7 +97,7 @@ _registered: dict[str, Metric] = {}
 
 
 def metric(
-    name: str, *, unit: str, better: Better
+    name: str, *, unit: str, better: Better, tolerance: Tolerance
 ) -> Callable[[Callable[[Episode], float]], Callable[[Episode], float]]:
     """Register the decorated function as the metric `name`; its docstring's first line describes it.
 
@@ -72,6 +105,7 @@ def metric(
         name: column name, ending with its unit.
         unit: a key of `UNIT_ENDINGS`.
         better: "lower" or "higher".
+        tolerance: how far the value of an episode may differ between processors.
 
     Raises:
         ValueError: for a name that is taken or does not end with its unit, or an unknown unit or direction.
@@ -81,7 +115,7 @@ def metric(
         if name in _registered:
             raise ValueError(f"metric {name!r} exists already, in {_registered[name].function.__module__}")
         description = (function.__doc__ or "").strip().partition("\n")[0]
-        _registered[name] = Metric(name, unit, better, description, function)
+        _registered[name] = Metric(name, unit, better, description, tolerance, function)
         return function
 
     return register

@@ -6,14 +6,14 @@ import math
 
 import numpy as np
 
-from fo_gym.evaluation.metrics.registry import metric
+from fo_gym.evaluation.metrics.registry import Tolerance, metric
 from fo_gym.evaluation.record import Array, Episode
 
 _NO_EFFECT = 1e-9
 """RMS effect of friction on the motion, m or rad, below which there is nothing to reject."""
 
 
-@metric("frr", unit="1", better="higher")
+@metric("frr", unit="1", better="higher", tolerance=Tolerance(1e-6, 4e-4))
 def friction_rejection_ratio(episode: Episode) -> float:
     """Friction rejection ratio: 1 as if there were no friction, 0 useless, below 0 harmful.
 

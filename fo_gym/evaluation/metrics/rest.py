@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from fo_gym.evaluation.metrics.reductions import largest
-from fo_gym.evaluation.metrics.registry import metric
+from fo_gym.evaluation.metrics.registry import Tolerance, metric
 from fo_gym.evaluation.record import Array, Episode
 
 _REST = 1.0
@@ -37,7 +37,7 @@ _STUCK_FOR = 0.1
 """How long a joint must be below the lower speed to be stuck, s; a joint that only turns around is not."""
 
 
-@metric("rest_error_before_push_ju", unit="ju", better="lower")
+@metric("rest_error_before_push_ju", unit="ju", better="lower", tolerance=Tolerance(1e-9, 1.5e-4))
 def rest_error_before_push(episode: Episode) -> float:
     """Mean |theta - theta_d| over the last second before the push, worst joint.
 
@@ -50,7 +50,7 @@ def rest_error_before_push(episode: Episode) -> float:
     return _rest_error(episode, push.time)
 
 
-@metric("rest_error_ju", unit="ju", better="lower")
+@metric("rest_error_ju", unit="ju", better="lower", tolerance=Tolerance(1e-7, 4e-4))
 def rest_error(episode: Episode) -> float:
     """Mean |theta - theta_d| over the last second of the episode, worst joint.
 
@@ -72,7 +72,7 @@ def _rest_error(episode: Episode, end: float) -> float:
     return largest(np.mean(np.abs(episode.motion.theta[window] - episode.theta_d[window]), axis=0))
 
 
-@metric("limit_cycle_amplitude_ju", unit="ju", better="lower")
+@metric("limit_cycle_amplitude_ju", unit="ju", better="lower", tolerance=Tolerance(1e-9, 3e-4))
 def limit_cycle_amplitude(episode: Episode) -> float:
     """Peak to peak of the motion in the limit-cycle window that friction adds, without slow creep, worst joint.
 
@@ -86,7 +86,7 @@ def limit_cycle_amplitude(episode: Episode) -> float:
     return math.nan if cycles is None else largest(np.ptp(cycles, axis=0))
 
 
-@metric("limit_cycle_period_s", unit="s", better="higher")
+@metric("limit_cycle_period_s", unit="s", better="higher", tolerance=Tolerance(1e-3, 0.8))
 def limit_cycle_period(episode: Episode) -> float:
     """Period of the motion in the limit-cycle window, on the joint with the largest amplitude.
 
@@ -111,7 +111,7 @@ def limit_cycle_period(episode: Episode) -> float:
     return episode.dt * float(np.mean(changes[2:] - changes[:-2]))
 
 
-@metric("stick_slip_count", unit="events", better="lower")
+@metric("stick_slip_count", unit="events", better="lower", tolerance=Tolerance(0.0, 0.0))
 def stick_slip(episode: Episode) -> float:
     """How often a joint in the limit-cycle window, having been stuck, slips, worst joint.
 
@@ -189,7 +189,7 @@ def _changes_of_side(signal: Array) -> NDArray[np.intp]:
     return changes
 
 
-@metric("settling_time_s", unit="s", better="lower")
+@metric("settling_time_s", unit="s", better="lower", tolerance=Tolerance(1e-3, 0.03))
 def settling_time(episode: Episode) -> float:
     """Time from the step until every joint stays within 2 % of its step around theta_d.
 
@@ -207,7 +207,7 @@ def settling_time(episode: Episode) -> float:
     return episode.dt * float(min(settled, len(response) - 1))
 
 
-@metric("overshoot_percent", unit="%", better="lower")
+@metric("overshoot_percent", unit="%", better="lower", tolerance=Tolerance(1e-8, 0.06))
 def overshoot(episode: Episode) -> float:
     """How far a joint moves past theta_d, as a share of its step, worst joint.
 

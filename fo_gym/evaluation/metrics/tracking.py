@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fo_gym.evaluation.metrics.reductions import largest, rms
-from fo_gym.evaluation.metrics.registry import metric
+from fo_gym.evaluation.metrics.registry import Tolerance, metric
 from fo_gym.evaluation.record import Array, Episode
 
 _MM = 1e3
@@ -25,7 +25,7 @@ _SAME_POINT = 1e-12
 """Points of the path closer than this, m, are one."""
 
 
-@metric("joint_rms_error_ju", unit="ju", better="lower")
+@metric("joint_rms_error_ju", unit="ju", better="lower", tolerance=Tolerance(1e-8, 3e-4))
 def joint_rms_error(episode: Episode) -> float:
     """RMS of theta - theta_d over the whole episode, worst joint.
 
@@ -34,7 +34,7 @@ def joint_rms_error(episode: Episode) -> float:
     return largest(rms(episode.motion.theta - episode.theta_d))
 
 
-@metric("tool_rms_error_mm", unit="mm", better="lower")
+@metric("tool_rms_error_mm", unit="mm", better="lower", tolerance=Tolerance(1e-9, 0.035))
 def tool_rms_error(episode: Episode) -> float:
     """RMS distance from the tool to its desired position while the reference moves.
 
@@ -44,7 +44,7 @@ def tool_rms_error(episode: Episode) -> float:
     return math.nan if paths is None else _MM * float(rms(_distance(*paths)))
 
 
-@metric("tool_max_error_mm", unit="mm", better="lower")
+@metric("tool_max_error_mm", unit="mm", better="lower", tolerance=Tolerance(1e-9, 0.08))
 def tool_max_error(episode: Episode) -> float:
     """Largest distance from the tool to its desired position while the reference moves.
 
@@ -54,7 +54,7 @@ def tool_max_error(episode: Episode) -> float:
     return math.nan if paths is None else _MM * float(np.max(_distance(*paths)))
 
 
-@metric("contour_error_mm", unit="mm", better="lower")
+@metric("contour_error_mm", unit="mm", better="lower", tolerance=Tolerance(1e-9, 0.025))
 def contour_error(episode: Episode) -> float:
     """RMS distance from the tool to the closest point of its path while the reference moves.
 
@@ -65,7 +65,7 @@ def contour_error(episode: Episode) -> float:
     return math.nan if paths is None else _MM * float(rms(_distance_to_polyline(*paths)))
 
 
-@metric("quadrant_glitch_mm", unit="mm", better="lower")
+@metric("quadrant_glitch_mm", unit="mm", better="lower", tolerance=Tolerance(1e-9, 0.07))
 def quadrant_glitch(episode: Episode) -> float:
     """Largest |tool - tool_ideal| within 0.1 s after a joint's reference reverses.
 
