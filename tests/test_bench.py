@@ -223,7 +223,7 @@ def test_nothing_is_written_unless_asked(fixed_times: None, tmp_path: Path, monk
     monkeypatch.chdir(tmp_path)
     result = invoke("--env", REGULATION, "--env", STICTION)
     assert result.exit_code == 0
-    assert "misses" in result.stdout
+    assert "missed" in result.stdout  # the table may fold its words
     assert SQUARE not in result.stdout
     assert list(tmp_path.iterdir()) == []
 

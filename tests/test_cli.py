@@ -30,7 +30,8 @@ from fo_gym.tasks.variants import VARIANTS
 pytestmark = pytest.mark.usefixtures("short_episodes")
 SQUARE = "FJRSquare-v0"
 SIX = ("pid-low", "pid-high", "pd-low", "pd-high", "letien-low", "letien-high")
-FILES = {"episodes.csv", "leaderboard.csv", "timing.csv", "leaderboard.md", "ranking.png", f"{SQUARE}.png"}
+FILES = {"episodes.csv", "leaderboard.csv", "timing.csv", "leaderboard.md", "processor.json"}
+FILES |= {"ranking.png", f"{SQUARE}.png"}
 
 MINE = """\
 import numpy as np

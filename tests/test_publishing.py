@@ -108,6 +108,7 @@ def test_only_what_is_told_to_publish_changes_what_is_published() -> None:
     assert {name: each for name, each in others.items() if not all(path.startswith("build/") for path in each)} == {}
 
 
+@pytest.mark.slow
 def test_commands_write_into_build_where_nothing_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("one.toml").write_text(PROTOCOL, encoding="utf-8")
