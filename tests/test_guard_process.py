@@ -199,6 +199,14 @@ def test_a_competitor_that_ended_stays_ended(mine: str) -> None:
         guarded.reset(fo_gym.JointInfo(1, *3 * [np.ones((1, 1))], 1e-3), 1)
 
 
+def test_a_process_that_ended_between_two_ticks_is_told_as_ended(mine: str) -> None:
+    guarded = Guarded(mine, {}, Limits())
+    guarded._process._process.kill()
+    guarded._process._process.wait()
+    with pytest.raises(EndedError, match="the process that it ran in was ended by SIGKILL"):
+        guarded.reset(fo_gym.JointInfo(1, *3 * [np.ones((1, 1))], 1e-3), 1)
+
+
 @pytest.mark.parametrize("env_id", DOF)
 def test_signals_become_the_observation_again(env_id: str) -> None:
     obs = np.random.default_rng(0).normal(size=(3, 8 * DOF[env_id] + 4))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import socket
 import sys
 import time
 import warnings
@@ -181,6 +182,8 @@ class Guarded:
             if self._ticks % _LOOK_EVERY == 0:
                 self._process.look()
             if self._process.has_spoken():
+                if not self._process.connection.recv(1, socket.MSG_PEEK):  # it ended since the last answer
+                    raise EOFError
                 raise ChannelError("it answered before it was asked")
             self._process.expect_within(seconds - spent)
             self._channel.send(letter, content)
