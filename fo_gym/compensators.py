@@ -7,6 +7,7 @@ import importlib
 import importlib.util
 import inspect
 import math
+import os
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Mapping
@@ -149,7 +150,7 @@ def _factory(spec: str) -> Any:
         known = ", ".join(list_compensators())
         raise ValueError(f"unknown compensator {spec!r}; registered are {known}; or name module:Class or file.py:Class")
     if where.endswith(".py"):
-        if not Path(where).is_file():
+        if not os.path.isfile(where):
             raise ValueError(f"compensator {spec!r}: there is no file {where}; name one that exists")
         module = _module_from_file(Path(where))
     else:

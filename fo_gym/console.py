@@ -54,8 +54,10 @@ def check_jobs(jobs: int) -> None:
 
 def check_folder(option: str, folder: Path) -> None:
     """Stop where a folder can be neither made nor written into: what is computed would be lost at the end."""
-    nearest = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
+    nearest = folder.absolute()
     try:
+        while not nearest.exists():  # a name that no folder can have raises
+            nearest = nearest.parent
         with TemporaryFile(dir=nearest):  # permissions alone do not tell
             pass
     except OSError as error:

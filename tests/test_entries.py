@@ -16,6 +16,7 @@ from fo_gym.cli import app
 from fo_gym.evaluation import entry
 from fo_gym.evaluation.competitor import BASELINE, REFERENCE, SUBMISSION, YOURS, Competitor
 from fo_gym.evaluation.entry import check_names, competitor_of, handed_over, load_entry, submissions_in
+from fo_gym.evaluation.guard.readable import readable
 from fo_gym.evaluation.protocol import Protocol
 from fo_gym.evaluation.run import run_protocol
 
@@ -44,6 +45,15 @@ def test_what_is_optional_may_be_missing(write: Write) -> None:
 def test_a_gain_that_names_a_file_beside_the_entry_is_that_file(write: Write) -> None:
     path = write(theirs_toml=ENTRY.replace("L = 80.0", 'weights = "w.npz"\nmode = "fast"'), w_npz="1 2 3")
     assert load_entry(path).gains == {"weights": str(path.parent / "w.npz"), "mode": "fast"}
+
+
+def test_a_gain_may_be_a_text_that_no_file_can_have_for_its_name(write: Write) -> None:
+    note = 5000 * "a"
+    path = write(theirs_toml=ENTRY.replace("L = 80.0", f'note = "{note}"'), mine_py=MINE)
+    mine = load_entry(path)
+    assert mine.gains == {"note": note}
+    assert mine.hash_on(STICTION, "nominal") != Competitor(mine.name, mine.spec).hash_on(STICTION, "nominal")
+    assert note not in readable(mine.spec, mine.gains)
 
 
 @pytest.mark.parametrize(

@@ -237,7 +237,9 @@ def test_entries(folder: Path) -> None:
     check_files(folder, load_entry, ENTRY, tried)
 
 
-COMMANDS = """\
+LONG = 5000 * "a"
+"""No file can have that name."""
+COMMANDS = f"""\
 evaluate pid-high --jobs -5
 evaluate pid-high --jobs abc
 evaluate pid-high --jobs 100000
@@ -249,6 +251,10 @@ evaluate pid-high --variant wild
 evaluate pid-high --out file
 evaluate pid-high --out file/deeper
 evaluate pid-high --out /proc/nothing/deeper
+evaluate pid-high --out {LONG}
+evaluate pid-high --store {LONG}
+evaluate {LONG}.toml
+evaluate {LONG}.py:Mine
 evaluate :
 evaluate ..a:b
 evaluate os:path
@@ -259,14 +265,17 @@ evaluate empty.py:Mine
 leaderboard --protocol folder.toml
 leaderboard --protocol binary.toml
 leaderboard --protocol nothing.toml
+leaderboard --protocol {LONG}.toml
 leaderboard --quick --store file
 leaderboard --quick --store file/deeper
 leaderboard --quick --out file/deeper
 leaderboard --quick --submissions file
+leaderboard --quick --submissions {LONG}
 leaderboard --quick --backend nothing
 leaderboard --quick --address here
 leaderboard --quick --jobs -2
 verify nowhere
+verify {LONG}
 verify file
 verify no_rows
 verify no_text

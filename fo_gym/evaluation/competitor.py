@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -99,5 +100,5 @@ class Competitor:
 
 def _file_hash(value: Any) -> Any:
     """A gain as it counts: where it names a file, that file's content, wherever it lies."""
-    named = isinstance(value, str) and Path(value).is_file()
+    named = isinstance(value, str) and os.path.isfile(value)
     return hashlib.sha256(Path(value).read_bytes()).hexdigest() if named else value

@@ -16,6 +16,7 @@ import ast
 import hashlib
 import importlib.util
 import json
+import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -218,7 +219,7 @@ def content_of(spec: str) -> Content:
     if not where.endswith(".py"):
         return _content(_follow([where], _own(where.partition(".")[0])))
     path = Path(where)
-    if not path.is_file():
+    if not os.path.isfile(path):
         return Content({}, {})
     sources = _follow(_imports(path, ""), _own(""))
     sources.files[path.name] = path

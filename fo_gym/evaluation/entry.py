@@ -17,6 +17,7 @@ gains = { L = 60.0 }
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -91,7 +92,7 @@ def handed_over(text: str, gains: Gains, name: str | None = None) -> Competitor:
 
 def submissions_in(folder: Path) -> tuple[Competitor, ...]:
     """The entries *.toml of a folder, by the name of their file. Raises ValueError for one that is not allowed."""
-    if not folder.is_dir():
+    if not os.path.isdir(folder):
         raise ValueError(f"there is no folder {folder}; name one with entries *.toml")
     return tuple(replace(load_entry(path), origin=SUBMISSION) for path in sorted(folder.glob("*.toml")))
 
@@ -115,7 +116,7 @@ def load_entry(path: Path) -> Competitor:
     Raises:
         ValueError: there is no such file, or a key is missing, unknown or not what it must be; it names file and key.
     """
-    if not path.is_file():
+    if not os.path.isfile(path):
         raise ValueError(f"there is no entry {path}; shipped ones are {', '.join(shipped_entries()) or 'none'}")
     content = read_toml("entry", path)
     _check_keys(path, "", content, _NEEDED, _ALLOWED)
@@ -181,7 +182,7 @@ def _gains(path: Path, gains: Mapping[str, Any]) -> Gains:
 
 
 def _beside(path: Path, value: str) -> str:
-    return str(path.parent / value) if value and (path.parent / value).is_file() else value
+    return str(path.parent / value) if value and os.path.isfile(path.parent / value) else value
 
 
 def _sets(path: Path, tables: list[Any]) -> dict[tuple[str, str], Gains]:

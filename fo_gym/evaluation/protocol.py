@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import tomllib
 from dataclasses import asdict, dataclass, fields
 from importlib.resources import files
@@ -105,7 +106,7 @@ def load_protocol(file: str | Path) -> Protocol:
     """
     shipped = shipped_protocols()
     path = shipped.get(str(file), Path(file))
-    if not path.is_file():
+    if not os.path.isfile(path):
         raise ValueError(f"there is no protocol {str(file)!r}; name a TOML file or one of {', '.join(shipped)}")
     content = read_toml("protocol", path)
     expected = {field.name for field in fields(Protocol)}

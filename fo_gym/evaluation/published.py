@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -25,6 +26,11 @@ _ROW = [*KEY, "seed"]
 __all__ = ["contests_of", "features_of", "published", "sampled"]
 
 
+def _command(folder: Path) -> str:
+    """What writes the files that are looked for."""
+    return f"`fo-gym leaderboard --out {folder}`"
+
+
 def published(folder: Path) -> pd.DataFrame:
     """The rows of episodes.csv, every cell as its text.
 
@@ -34,18 +40,18 @@ def published(folder: Path) -> pd.DataFrame:
         ValueError: there is no such file, or it does not hold such rows.
     """
     file = folder / "episodes.csv"
-    if not file.is_file():
-        raise ValueError(f"there is no {file}; write one with `fo-gym leaderboard --out {folder}`")
+    if not os.path.isfile(file):
+        raise ValueError(f"there is no {file}; write one with {_command(folder)}")
     try:
         table = read_csv(file.read_text(encoding="utf-8"), numbers=False)
     except (ValueError, OSError) as error:  # pandas' own errors are ValueErrors
         raise ValueError(
-            f"{file} cannot be read ({' '.join(str(error).split())}); run `fo-gym leaderboard` again"
+            f"{file} cannot be read ({' '.join(str(error).split())}); write it again with {_command(folder)}"
         ) from error
     missing = [column for column in (*_ROW, "protocol", "competitor_hash") if column not in table]
     if missing or not len(table):
         raise ValueError(
-            f"{file} has {len(table)} rows and lacks the columns {missing}; run `fo-gym leaderboard` again"
+            f"{file} has {len(table)} rows and lacks the columns {missing}; write it again with {_command(folder)}"
         )
     for column, allowed in (("env", known_environments()), ("variant", VARIANTS)):
         for value in table[column].unique():
@@ -62,7 +68,7 @@ def features_of(folder: Path) -> Mapping[str, Mapping[str, str]]:
         ValueError: it does not hold that.
     """
     file = folder / "processor.json"
-    if not file.is_file():
+    if not os.path.isfile(file):
         return {}
     try:
         content = json.loads(file.read_text(encoding="utf-8"))

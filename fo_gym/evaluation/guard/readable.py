@@ -28,7 +28,7 @@ def readable(spec: str, gains: Mapping[str, Any]) -> list[str]:
     """
     file = Path(spec.rpartition(":")[0])
     own = [str(file.parent)] if file.suffix == ".py" else []
-    named = [value for value in gains.values() if isinstance(value, str) and Path(value).is_file()]
+    named = [value for value in gains.values() if isinstance(value, str) and os.path.isfile(value)]
     pythons = {sys.prefix, sys.base_prefix, sys.exec_prefix, sys.base_exec_prefix}
     libraries = [path for path in os.environ.get("LD_LIBRARY_PATH", "").split(":") if path]
     return [*_SYSTEM, *sorted(pythons), *map(os.path.abspath, sys.path), *libraries, *own, *named]
