@@ -33,7 +33,7 @@ FAILURES = {
     "endings.py:ByCrash": "at tick 2: the process that it ran in was ended by SIGSEGV",
     "endings.py:ByRecursion": "at tick 2: the process that it ran in was ended by SIGSEGV|RecursionError|MemoryError",
     "endings.py:ByAlarm": "at tick 2: the process that it ran in was ended by SIGALRM",
-    "endings.py:LongWords": r"at tick 2: \ufffd\[2J\ufffd\| <img> =1\+1!{1980,1990} \(endings.py, line \d+, in end\)$",
+    "endings.py:LongWords": r"at tick 2: \\x1b\[2J\\x07\| <img> =1\+1!{1980,1990} \(endings.py, line \d+, in end\)$",
     "endings.py:ByMuteError": r"estimate raised MuteError at tick 2:  \(endings",
     "endings.py:Fraction": r"estimate returned \[nan\] at tick 0 in episode 0; it must be finite",
     "endings.py:Wide": r"estimate returned shape \(2, 1, 1000000\) at tick 0; \(num_envs, dof\) is \(2, 1\)",

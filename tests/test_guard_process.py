@@ -93,7 +93,7 @@ def test_it_is_imported_nowhere_else(mine: str, capsys: pytest.CaptureFixture[st
     assert dict(search_space(mine)) == {"L": (1.0, 10.0), "P": (2.0, 3.0)}
     with pytest.raises(ValueError, match=r"has no attributes \['P'\]; the search starts from them"):
         default_gains(mine)
-    assert capsys.readouterr().err == 3 * "mine.py:Mine | \N{REPLACEMENT CHARACTER}[31mhello\n"
+    assert capsys.readouterr().err == 3 * "mine.py:Mine | \\x1b[31mhello\n"
 
 
 def test_what_a_long_run_took_is_not_taken_from_its_ticks(mine: str) -> None:

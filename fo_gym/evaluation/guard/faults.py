@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any, TypeVar
 
+from fo_gym.text import printable
+
 LONGEST_TEXT = 2000
 """Characters that are kept of what a competitor says."""
 
@@ -47,7 +49,6 @@ def trace_of(error: BaseException) -> str:
 
 
 def plain(words: Any, longest: int = LONGEST_TEXT) -> str:
-    """A stranger's words as text: no terminal's or other control characters, not longer than `longest`."""
+    """A stranger's words as `printable` text: the first `longest` characters, and a mark where there were more."""
     text = words if isinstance(words, str) else repr(words)
-    text = text if len(text) <= longest else f"{text[:longest]} ..."
-    return "".join(each if each.isprintable() or each == "\n" else "\N{REPLACEMENT CHARACTER}" for each in text)
+    return printable(text if len(text) <= longest else f"{text[:longest]} ...")
