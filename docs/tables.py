@@ -132,7 +132,7 @@ def training() -> str:
 
 def _differences() -> pd.DataFrame:
     """docs/processors/differences.csv, with the variants of exact sensors counted as one."""
-    table = pd.read_csv(ROOT / "docs" / "processors" / "differences.csv")
+    table = _csv("docs/processors/differences.csv")
     return table.assign(kind=table["variant"].where(table["variant"] == "hardware", "exact"))
 
 
