@@ -194,6 +194,9 @@ def test_what_a_user_hands_over_is_theirs_unless_it_ships_as_it_is(write: Write)
         assert (changed.name, changed.origin) == (f"{text} L=70 Li=49", YOURS)
     entry = handed_over(str(path), {"L": 70.0}, "mine")
     assert entry.name == "mine"
+    for reference in ("none", "ideal"):
+        with pytest.raises(ValueError, match=f"--name is 'mine'; the reference {reference} keeps its own"):
+            handed_over(reference, {}, "mine")
     assert entry.gains_on(SQUARE, "randomized") == entry.gains_on(SQUARE, "nominal") == {"L": 70.0}
 
 

@@ -255,6 +255,13 @@ evaluate pid-high --out {LONG}
 evaluate pid-high --store {LONG}
 evaluate {LONG}.toml
 evaluate {LONG}.py:Mine
+evaluate ideal --name better
+evaluate pid-high --gains L
+evaluate pid-high --gains L=1979
+evaluate pid-high --gains L=1 --gains L=2
+evaluate pid-high --name a|b
+evaluate pid-high --baselines nobody
+evaluate pid-high --traces
 evaluate :
 evaluate ..a:b
 evaluate os:path
@@ -274,6 +281,16 @@ leaderboard --quick --submissions {LONG}
 leaderboard --quick --backend nothing
 leaderboard --quick --address here
 leaderboard --quick --jobs -2
+sweep pid-high
+sweep pid-high --gains L
+sweep pid-high --gains L=1:2
+sweep pid-high --gains L=1:2:1000000000
+sweep pid-high --gains L=1:1000:101 --gains Lp=1:1000:100
+sweep pid-high --gains L=50 --out file
+sweep pid-high --gains L=50 --env Nothing-v0
+sweep pid-high --gains L=50 --variant wild
+sweep pid-high --gains L=50 --jobs 0
+sweep {LONG}.toml --gains L=50
 verify nowhere
 verify {LONG}
 verify file

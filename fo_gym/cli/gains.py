@@ -9,7 +9,7 @@ from typing import Any
 
 from fo_gym.console import Stop
 
-_RANGE = re.compile(r"(?P<low>[^:,]+):(?P<high>[^:,]+):(?P<count>\d+)(?P<linear>:linear)?")
+_RANGE = re.compile(r"(?P<low>[^:,]+):(?P<high>[^:,]+):(?P<count>\d{1,9})(?P<linear>:linear)?")
 _RANGE_FORM = "LOW:HIGH:COUNT, LOW:HIGH:COUNT:linear, or values with commas between"
 _DIGITS = 6
 
@@ -56,19 +56,23 @@ def _number(name: str, text: str) -> float:
     value = _value(name, text.strip())
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise Stop(f"--gains: {name} is {text!r}; a sweep is over numbers: {_RANGE_FORM}")
-    return float(value)
+    return value
 
 
 def _values(name: str, text: str) -> list[float]:
     from numpy import geomspace, linspace
+
+    from fo_gym.evaluation.sweep import MAX_SETS
 
     found = _RANGE.fullmatch(text)
     if found is None:
         values = [_number(name, part) for part in text.split(",")]
     else:
         low, high, count = _number(name, found["low"]), _number(name, found["high"]), int(found["count"])
-        if not (-float("inf") < low < high < float("inf") and count >= 2):
-            raise Stop(f"--gains: {name} is {text!r}; give LOW below HIGH, both finite, and a COUNT of at least 2")
+        if not (-float("inf") < low < high < float("inf") and 2 <= count <= MAX_SETS):
+            raise Stop(
+                f"--gains: {name} is {text!r}; give LOW below HIGH, both finite, and a COUNT from 2 to {MAX_SETS}"
+            )
         spaced = linspace if found["linear"] or low <= 0 else geomspace
         values = [float(f"{value:.{_DIGITS}g}") for value in spaced(low, high, count)]
     if len(set(values)) < len(values):

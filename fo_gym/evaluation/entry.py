@@ -80,8 +80,10 @@ def handed_over(text: str, gains: Gains, name: str | None = None) -> Competitor:
         The competitor, with the origin "yours" where it is not one that the project ships as it is.
 
     Raises:
-        ValueError: an entry cannot be read or is not allowed, or the name is not.
+        ValueError: an entry cannot be read or is not allowed, or the name is not, or it is for a reference.
     """
+    if name is not None and text in BUILT_IN:
+        raise ValueError(f"--name is {name!r}; the reference {text} keeps its own: leave --name out")
     found = competitor_of(text)
     if gains:
         found = found.with_gains(gains)

@@ -111,8 +111,15 @@ def evaluation_seeds(variant: str, seeds: int | Sequence[int]) -> tuple[int, ...
     return chosen[:1] if variant == "nominal" else chosen
 
 
-def check_arguments(env_kwargs: Mapping[str, Any]) -> None:
-    """Raise ValueError for arguments of the environment that an evaluation sets itself, TypeError for unknown ones."""
+def check_arguments(env_id: Any, variant: Any, env_kwargs: Mapping[str, Any]) -> None:
+    """Check what names an environment, its variant and its further arguments.
+
+    Raises:
+        ValueError: one is not allowed, or an evaluation sets it itself.
+        TypeError: there is no such argument.
+    """
+    text("env_id", env_id)
+    choice("variant", variant, VARIANTS)
     for fixed, why in (("feedback", "it is the compensator's"), ("action_mode", "estimates are scored")):
         if fixed in env_kwargs:
             raise ValueError(f"{fixed} cannot be chosen in an evaluation: {why}; leave it out")
@@ -145,9 +152,7 @@ def evaluate(
         CompensatorError: the compensator raised, or returned what is not a finite (num_envs, dof) array.
         ValueError, TypeError: an argument is not allowed.
     """
-    text("env_id", env_id)
-    choice("variant", variant, VARIANTS)
-    check_arguments(env_kwargs)
+    check_arguments(env_id, variant, env_kwargs)
     with _playing(compensator, env_id, variant) as (name, instance, content):
         episodes = EpisodeSet(env_id, variant, evaluation_seeds(variant, seeds), env_kwargs)
         recording = episodes.record(instance, name)  # first: what cannot run says so at once

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from numbers import Real
+from numbers import Integral, Real
 from typing import Any
 
 import pandas as pd
@@ -34,9 +34,12 @@ from fo_gym.evaluation.trial import failed_trial
 _BATCH = 64
 """Episodes that share a batch, about: larger ones gain little time and take more memory."""
 
+MAX_SETS = 10_000
+"""Sets of gains at most: each is a competitor of its own, with rows of its own."""
+
 Gains = Mapping[str, Sequence[float]]
 
-__all__ = ["Grid", "Plan", "summary_of", "sweep"]
+__all__ = ["MAX_SETS", "Grid", "Plan", "summary_of", "sweep"]
 
 
 @dataclass(frozen=True)
@@ -59,11 +62,14 @@ class Grid:
             if name in taken:
                 raise ValueError(f"gain {name!r} has the name of a column of the results; sweep it under another name")
             _check_values(name, values)
+        count = math.prod(len(values) for values in self.gains.values())
+        if count > MAX_SETS:
+            raise ValueError(f"the gains make {count} sets; at most {MAX_SETS} are swept: give fewer values")
 
     @property
     def sets(self) -> list[dict[str, float]]:
-        """Every combination."""
-        numbers = ([float(value) for value in values] for values in self.gains.values())
+        """Every combination; whole numbers stay whole, as a class may count with them."""
+        numbers = ([_plain(value) for value in values] for values in self.gains.values())
         return [dict(zip(self.gains, values, strict=True)) for values in product(*numbers)]
 
     @cached_property
@@ -73,10 +79,19 @@ class Grid:
         return tuple(own.with_gains(gains) for gains in self.sets)
 
 
+def _plain(value: Any) -> float:
+    """The number as Python has it, of NumPy too."""
+    return int(value) if isinstance(value, Integral) else float(value)
+
+
+def _is_number(value: Any) -> bool:
+    return not isinstance(value, bool) and isinstance(value, Real) and math.isfinite(value)
+
+
 def _check_values(name: str, values: Any) -> None:
     """Raise ValueError for values of a gain that cannot be swept over."""
     listed = list(values) if isinstance(values, Iterable) else []
-    numbers = [value for value in listed if isinstance(value, Real) and math.isfinite(value)]
+    numbers = [value for value in listed if _is_number(value)]
     if not listed or len(set(numbers)) < len(listed):
         raise ValueError(f"gain {name!r} is {values!r}; give a list of finite numbers, at least one and none twice")
 
@@ -109,7 +124,7 @@ def sweep(
     Raises:
         ValueError, TypeError, CompensatorError: an argument is not allowed, or no set of gains is.
     """
-    check_arguments(env_kwargs)
+    check_arguments(env_id, variant, env_kwargs)
     episodes = EpisodeSet(env_id, variant, evaluation_seeds(variant, seeds), env_kwargs)
     plan = Plan(Grid(compensator, gains), [episodes], jobs)
     return plan.table(run_contests(plan.contests, "", backend=Processes(jobs)))
