@@ -7,12 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.markup import escape
-from rich.table import Table
 
 from fo_gym.cli.gains import gain_sets
 from fo_gym.cli.work import STORE, Fresh, Jobs, StoreFolder, note, run_behind_bar, store_in
-from fo_gym.console import Stop, check_folder, check_jobs, console, tell_written
+from fo_gym.console import Stop, check_folder, check_jobs, console, tell_written, text_table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -87,12 +85,16 @@ def _print(table: pd.DataFrame, gains: Sequence[str]) -> None:
     for key, rows in summary_of(table, gains).groupby(["env", "variant"], sort=False):
         best = rows.sort_values("frr", ascending=False, kind="stable", na_position="last").head(_SHOWN)
         best = best[best["status"] != FAILED]
-        view = Table(title=f"{key[0]}, {key[1]}", caption=f"the best {len(best)} of {len(rows)} sets")
-        for heading in (*gains, "FRR", "worst episode", "status"):
-            view.add_column(escape(heading), justify="right", overflow="fold")
-        for row in best.to_dict("records"):
-            numbers = [f"{row[gain]:.6g}" for gain in gains] + [f"{row[name]:.4f}" for name in ("frr", "frr_worst")]
-            view.add_row(*numbers, row["status"])
+        cells = [
+            [
+                *(f"{row[gain]:.6g}" for gain in gains),
+                *(f"{row[name]:.4f}" for name in ("frr", "frr_worst")),
+                row["status"],
+            ]
+            for row in best.to_dict("records")
+        ]
+        view = text_table(f"{key[0]}, {key[1]}", [*gains, "FRR", "worst episode", "status"], cells)
+        view.caption = f"the best {len(best)} of {len(rows)} sets"
         console.print(view)
         failed = rows[rows["status"] == FAILED]
         if len(failed):

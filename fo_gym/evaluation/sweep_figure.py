@@ -9,6 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from fo_gym.evaluation.style import label
 from fo_gym.evaluation.sweep import summary_of
 
 _SIZE = (4.6, 3.4)
@@ -34,7 +35,7 @@ def sweep_figure(table: pd.DataFrame, gains: Sequence[str]) -> Figure:
     for axis, (key, rows) in zip(figure.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
         draw = _curve if len(gains) == 1 else _map
         draw(axis, rows, gains)
-        axis.set_title(f"{table['compensator'].iloc[0]}: {key[0]}, {key[1]}", fontsize="medium", parse_math=False)
+        axis.set_title(f"{label(table['compensator'].iloc[0])}: {key[0]}, {key[1]}", fontsize="medium")
     return figure
 
 
@@ -46,7 +47,7 @@ def _curve(axis: Axes, rows: pd.DataFrame, gains: Sequence[str]) -> None:
     axis.plot(values, rows["frr"], marker="o", markersize=3, label="interquartile mean")
     if (values > 0).all() and values.max() > 5.0 * values.min():
         axis.set_xscale("log")
-    axis.set_xlabel(gains[0], parse_math=False)
+    axis.set_xlabel(label(gains[0]))
     axis.set_ylabel("friction rejection ratio")
     axis.grid(alpha=0.3)
     axis.legend(fontsize="small")
@@ -60,8 +61,8 @@ def _map(axis: Axes, rows: pd.DataFrame, gains: Sequence[str]) -> None:
     for ticks, values in ((axis.set_xticks, frr.columns), (axis.set_yticks, frr.index)):
         ticks(range(len(values)), [f"{value:.4g}" for value in values])
     axis.tick_params(axis="x", labelrotation=90)
-    axis.set_xlabel(gains[0], parse_math=False)
-    axis.set_ylabel(gains[1], parse_math=False)
+    axis.set_xlabel(label(gains[0]))
+    axis.set_ylabel(label(gains[1]))
     if frr.notna().to_numpy().any():
         row, column = np.unravel_index(np.nanargmax(frr.to_numpy()), frr.shape)
         axis.plot(column, row, marker="*", color="white", markeredgecolor="black", markersize=11)
