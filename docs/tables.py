@@ -144,7 +144,7 @@ def tolerances() -> str:
         exact, hardware = (largest.loc[(name, kind), "calm_largest"] for kind in ("exact", "hardware"))
         chaotic_largest = largest.loc[name, "chaotic_largest"].max()
         numbers = (exact, metric.tolerance.exact, hardware, metric.tolerance.hardware, chaotic_largest)
-        cells.append([name, metric.unit, *(f"{each:.1e}" for each in numbers)])
+        cells.append([name, metric.unit_text, *(f"{each:.1e}" for each in numbers)])
     headings = ["metric", "unit", "exact sensors", "tolerance", "hardware", "tolerance", "chaotic episodes"]
     return markdown(Ranking("", headings, cells))
 

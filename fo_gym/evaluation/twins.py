@@ -19,7 +19,7 @@ from fo_gym.evaluation.evaluate import EpisodeSet
 from fo_gym.evaluation.recording import Recording, record
 
 SHIFT = 1e-12
-"""How far the start of a twin is from that of its episode, ju: some last bits of a position."""
+"""How far the start of a twin is from that of its episode [m | rad]: some last bits of a position."""
 
 TWINS = 10
 """How many twins say how far an episode may come out."""
@@ -50,7 +50,7 @@ class TwinSet(EpisodeSet):
 
     Attributes:
         number: which twin; 1, 2, ... have different starts.
-        shift: how far each joint is moved, ju.
+        shift: how far each joint is moved [m | rad].
     """
 
     number: int = 1
