@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import runpy
 import subprocess
 import sys
 from pathlib import Path
@@ -10,7 +11,8 @@ from pathlib import Path
 import pytest
 
 from fo_gym.evaluation import processor as module
-from fo_gym.evaluation.processor import processor, processor_features
+from fo_gym.evaluation.guard import process
+from fo_gym.evaluation.processor import VARIABLES, processor, processor_features
 from fo_gym.evaluation.provenance import is_provenance, provenance
 
 ELSEWHERE = Path(__file__).parents[1] / "docs" / "processors" / "elsewhere.py"
@@ -37,6 +39,15 @@ def test_whatever_decides_the_last_bits_changes_the_name(monkeypatch: pytest.Mon
         monkeypatch.setattr(module, "processor_features", lambda feature=feature: features | {feature: "other"})
         names.add(processor.__wrapped__())
     assert len(names) == 1 + len(features)
+
+
+def test_a_strangers_process_computes_as_the_suites(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    known = {name for variables in runpy.run_path(str(ELSEWHERE))["instruction_sets"]().values() for name in variables}
+    assert known <= set(VARIABLES)
+    for name in VARIABLES:
+        monkeypatch.setenv(name, f"that of {name}")
+    environment = process._environment(str(tmp_path))
+    assert {name: environment.get(name) for name in VARIABLES} == {name: f"that of {name}" for name in VARIABLES}
 
 
 @pytest.mark.slow

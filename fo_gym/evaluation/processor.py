@@ -18,9 +18,15 @@ from fo_gym.evaluation.content import digest
 _SETTINGS = ("OPENBLAS_CORETYPE", "GLIBC_TUNABLES")
 """Variables that make OpenBLAS, and the C library with its exp, sin and so on, compute as another processor would."""
 
+VARIABLES = (
+    *("NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "NPY_DISABLE_CPU_FEATURES", "NPY_ENABLE_CPU_FEATURES"),
+    *_SETTINGS,
+)
+"""All variables by which libraries are told to compute as another processor would."""
+
 _HASH_LENGTH = 8
 
-__all__ = ["processor", "processor_features"]
+__all__ = ["VARIABLES", "processor", "processor_features"]
 
 
 @lru_cache(maxsize=1)

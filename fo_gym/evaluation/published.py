@@ -73,7 +73,7 @@ def features_of(folder: Path) -> Mapping[str, Mapping[str, str]]:
     try:
         content = json.loads(file.read_text(encoding="utf-8"))
         return {str(name): {str(key): str(value) for key, value in told.items()} for name, told in content.items()}
-    except (ValueError, AttributeError) as error:
+    except (ValueError, AttributeError, OSError) as error:
         raise ValueError(f"{file} cannot be read ({error}); remove it, or write it again with the rows") from error
 
 

@@ -21,6 +21,7 @@ from typing import IO, Protocol
 from fo_gym.evaluation.guard import memory
 from fo_gym.evaluation.guard.faults import EndedError, plain
 from fo_gym.evaluation.guard.limits import Limits
+from fo_gym.evaluation.processor import VARIABLES
 
 _BOOT = """import json, sys
 sys.path[:] = json.loads(sys.argv[1])
@@ -29,10 +30,7 @@ main(int(sys.argv[2]), int(sys.argv[3]))
 """
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 """One each: more would fight for the cores, move last digits, and be there before they can be confined."""
-_KEPT = (
-    *("LANG", "LC_ALL", "TZ", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH"),
-    *("NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "NPY_DISABLE_CPU_FEATURES", "OPENBLAS_CORETYPE"),
-)
+_KEPT = ("LANG", "LC_ALL", "TZ", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", *VARIABLES)
 """What of the environment the process has: what chooses language and instructions, and no secrets."""
 
 _GLANCE = 0.05
