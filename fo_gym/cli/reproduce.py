@@ -9,6 +9,7 @@ import typer
 from rich.markup import escape
 from rich.table import Table
 
+from fo_gym.cli.work import Jobs
 from fo_gym.console import Stop, check_folder, check_jobs, console, errors, progress_bar, say, tell_written
 from fo_gym.extras import install_command
 
@@ -27,7 +28,7 @@ def run_reproduce(
         Path | None,
         typer.Option(file_okay=False, help="Folder for the results; build/reproduce, or build/reproduce-quick."),
     ] = None,
-    jobs: Annotated[int, typer.Option(help="Worker processes; -1 = one per core.")] = -1,
+    jobs: Jobs = -1,
 ) -> None:
     """Reproduce what arXiv:1907.00553 shows and says, and certify the physics.
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
+from fo_gym.cli.work import Jobs
 from fo_gym.console import Stop, check_folder, check_jobs, console, progress_bar, tell_written
 from fo_gym.extras import install_command
 
@@ -37,7 +38,7 @@ def run_tune(
         typer.Option(help='Who made the compensator, repeatable; "unnamed" by default, unless the project did.'),
     ] = None,
     out: Annotated[Path, typer.Option(file_okay=False, help="Folder; a killed search goes on there.")] = OUT,
-    jobs: Annotated[int, typer.Option(help="Worker processes; -1 = one per core.")] = -1,
+    jobs: Jobs = -1,
 ) -> None:
     """Tune a compensator's gains: as many trials and simulated seconds for everybody, on tuning seeds.
 

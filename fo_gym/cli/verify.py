@@ -67,7 +67,7 @@ def run_verify(
 
 
 def _runs(contests: Iterable[Contest]) -> int:
-    return sum(1 + len(contest.competitors) for contest in contests)
+    return sum(contest.runs for contest in contests)
 
 
 def _tell_processor(name: str, published: Mapping[str, str] | None) -> None:

@@ -121,7 +121,7 @@ def run_behind_bar(
     """Run contests behind a progress bar, with a store: what was taken from there is told."""
     from fo_gym.evaluation.run import run_contests
 
-    runs = sum(1 + len(contest.competitors) for contest in contests)
+    runs = sum(contest.runs for contest in contests)
     kept = f"; finished runs are kept in {store.folder}, the same command goes on with them"
     with working(backend, jobs, address, runs, kept) as (workers, told):
         results = run_contests(contests, stamp, backend=workers, store=store, on_run=told)

@@ -49,6 +49,11 @@ class Contest:
         """The references first."""
         return NONE, IDEAL, *self.competitors
 
+    @property
+    def runs(self) -> int:
+        """How many runs there are, `none` and `ideal` counted as one."""
+        return 1 + len(self.competitors)
+
 
 @dataclass(frozen=True)
 class Results:
@@ -217,7 +222,7 @@ def run_contests(
         timing=pd.DataFrame([trial.timing for trial in trials if trial.timing is not None]),
         traces=[trace for trial in trials for trace in trial.traces],
         competitors=tuple({competitor.name: competitor for competitor in everybody}.values()),
-        runs=sum(1 + len(contest.competitors) for contest in contests),
+        runs=sum(contest.runs for contest in contests),
         stored=runner.stored,
     )
 
