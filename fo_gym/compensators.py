@@ -195,7 +195,7 @@ def _made(spec: str, factory: Any, gains: Mapping[str, Any]) -> Any:
         raise TypeError(f"compensator {spec!r} has no gain {unknown[0]!r}; {there}") from None
 
 
-def make_compensator(spec: str, **gains: Any) -> Compensator:
+def make_compensator(spec: str, /, **gains: Any) -> Compensator:
     """Make a compensator, in this process: whatever code `spec` names runs here (`evaluate` has it run elsewhere).
 
     Args:

@@ -205,6 +205,8 @@ def test_gains_that_there_are_not_are_told(write: Write) -> None:
     for name, there in ((spec, "L, gain"), ("pid-high", "L, Lp, Li"), ("baselines.kim2019:PDObserver", "L, Lp")):
         with pytest.raises(TypeError, match=rf"{name!r} has no gain 'x'; it takes {there}$"):
             fo_gym.make_compensator(name, x=1.0)
+    with pytest.raises(TypeError, match=r"'pid-high' has no gain 'spec'; it takes L, Lp, Li$"):
+        fo_gym.make_compensator("pid-high", spec=1.0)
     (Path("nothing.py")).write_text("class Nothing:\n    pass\n", encoding="utf-8")
     with pytest.raises(TypeError, match="has no gain 'x'; it takes none"):
         fo_gym.make_compensator("nothing.py:Nothing", x=1.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import shlex
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -257,6 +258,7 @@ evaluate {LONG}.toml
 evaluate {LONG}.py:Mine
 evaluate ideal --name better
 evaluate pid-high --gains L
+evaluate pid-high --gains spec=1
 evaluate pid-high --gains L=1979
 evaluate pid-high --gains L=1 --gains L=2
 evaluate pid-high --name a|b
@@ -272,6 +274,7 @@ evaluate empty.py:Mine
 leaderboard --protocol folder.toml
 leaderboard --protocol binary.toml
 leaderboard --protocol nothing.toml
+leaderboard --protocol ''
 leaderboard --protocol {LONG}.toml
 leaderboard --quick --store file
 leaderboard --quick --store file/deeper
@@ -335,7 +338,7 @@ def test_commands(folder: Path) -> None:
     before = written(folder)
     offenders = []
     for command in COMMANDS.splitlines():
-        result = CliRunner().invoke(app, command.split())
+        result = CliRunner().invoke(app, shlex.split(command))
         told = re.sub(r"\x1b\[[0-9;]*m", "", result.stderr)
         in_a_line = told.startswith("error: ") and told.count("\n") == 1
         if result.exit_code != 2 or not (in_a_line or "Usage" in told) or result.stdout:

@@ -66,7 +66,7 @@ def run_leaderboard(
     check_folder("--out", folder)
     check_folder("--store", store)
     try:
-        chosen = load_protocol(protocol or ("quick" if quick else "full"))
+        chosen = load_protocol(("quick" if quick else "full") if protocol is None else protocol)
         theirs = submissions_of(submissions)
         from fo_gym.evaluation.report import write_results
         from fo_gym.evaluation.run import contests_in

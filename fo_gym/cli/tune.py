@@ -62,7 +62,7 @@ def run_tune(
         raise Stop(f"{error}; install what `fo-gym tune` needs with: {install_command('tune')}") from error
     from fo_gym import ENVIRONMENTS, CompensatorError
 
-    name = name or _default_name(compensator)
+    name = _default_name(compensator) if name is None else name
     repeated = {"--env": env, "--variant": variant, "--author": author}
     single: dict[str, object] = {
         "--trials": trials,

@@ -95,7 +95,7 @@ def _known(
 ) -> dict[str, Competitor]:
     """Competitors by the names that the rows give them: submissions, and entries that the protocol names by path."""
     stamp = str(table["protocol"].iloc[0]).partition("@")[0]
-    file = protocol or (stamp if stamp in shipped_protocols() else None)
+    file = protocol if protocol is not None else stamp if stamp in shipped_protocols() else None
     named = [] if file is None else [competitor_of(name) for name in load_protocol(file).compensators]
     everybody = [*(each for each in named if each.name not in BUILT_IN), *submissions]
     check_names(everybody)
