@@ -10,7 +10,8 @@ import math
 import os
 import sys
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import lru_cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
@@ -135,6 +136,25 @@ def _module_from_file(path: Path) -> Any:
     return module
 
 
+def _place(spec: str) -> tuple[str, str]:
+    """The module or file, and what to take of it. Raises ValueError where `spec` has not both, or there is no file."""
+    where, _, attribute = spec.rpartition(":")
+    if not where or not attribute or (where.startswith(".") and not where.endswith(".py")):
+        known = ", ".join(list_compensators())
+        raise ValueError(
+            f"unknown compensator {shown(spec)}; registered are {known}; or name module:Class or file.py:Class"
+        )
+    if where.endswith(".py") and not os.path.isfile(where):
+        raise ValueError(f"compensator {shown(spec)}: there is no file {where}; name one that exists")
+    return where, attribute
+
+
+def check_spec(spec: str) -> None:
+    """Raise ValueError where no name is registered and there is no file; modules are not sought."""
+    if spec not in list_compensators():
+        _place(text("compensator", spec))
+
+
 def _factory(spec: str) -> Any:
     """What `spec` names: a class or a function that makes a compensator."""
     plug_ins = _plug_ins()
@@ -145,13 +165,8 @@ def _factory(spec: str) -> Any:
             both = " and ".join(entry.value for entry in plug_ins[spec])
             raise ValueError(f"two plug-ins are called {spec!r}: {both}; name one of them as module:Class")
         return plug_ins[spec][0].load()
-    where, _, attribute = spec.rpartition(":")
-    if not where or not attribute or (where.startswith(".") and not where.endswith(".py")):
-        known = ", ".join(list_compensators())
-        raise ValueError(f"unknown compensator {spec!r}; registered are {known}; or name module:Class or file.py:Class")
+    where, attribute = _place(spec)
     if where.endswith(".py"):
-        if not os.path.isfile(where):
-            raise ValueError(f"compensator {spec!r}: there is no file {where}; name one that exists")
         module = _module_from_file(Path(where))
     else:
         try:
@@ -186,11 +201,11 @@ def _made(spec: str, factory: Any, gains: Mapping[str, Any]) -> Any:
     """What the factory makes of the gains; a TypeError names those there are where one is not among them."""
     try:
         return factory(**gains)
-    except TypeError:
+    except TypeError as error:
         known = _gain_names(factory) if gains else None
         unknown = [] if known is None else [name for name in gains if name not in known]
         if not unknown:
-            raise
+            raise TypeError(f"compensator {spec!r} cannot be made: {error}; give what it needs as gains") from error
         there = f"it takes {', '.join(known or ['none'])}"
         raise TypeError(f"compensator {spec!r} has no gain {unknown[0]!r}; {there}") from None
 
@@ -208,13 +223,25 @@ def make_compensator(spec: str, /, **gains: Any) -> Compensator:
         CompensatorError: importing or making it raised something else.
     """
     text("compensator", spec)
+    with _telling(spec):
+        return checked(_made(spec, _factory(spec), gains), spec)
+
+
+def handed(compensator: Any, name: str) -> Compensator:
+    """A compensator of a class or an instance that is handed over as it is. Raises as `make_compensator` does."""
+    with _telling(name):
+        return checked(_made(name, compensator, {}) if inspect.isclass(compensator) else compensator, name)
+
+
+@contextmanager
+def _telling(name: str) -> Iterator[None]:
+    """What making a compensator raises, by its name, unless it is a ValueError or TypeError, which tell themselves."""
     try:
-        candidate = _made(spec, _factory(spec), gains)
+        yield
     except (ValueError, TypeError):
         raise
     except (Exception, SystemExit) as error:
-        raise CompensatorError(f"compensator {spec!r}: making it raised {type(error).__name__}: {error}") from error
-    return checked(candidate, spec)
+        raise CompensatorError(f"compensator {name!r}: making it raised {type(error).__name__}: {error}") from error
 
 
 def checked(candidate: Any, name: str) -> Compensator:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Collection, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from tempfile import TemporaryFile
 
@@ -54,10 +54,10 @@ def check_jobs(jobs: int) -> None:
 
 def check_folder(option: str, folder: Path) -> None:
     """Stop where a folder can be neither made nor written into: what is computed would be lost at the end."""
-    nearest = folder.absolute()
+    nearest = next(path for path in (folder.absolute(), *folder.absolute().parents) if os.path.lexists(path))
     try:
-        while not nearest.exists():  # a name that no folder can have raises
-            nearest = nearest.parent
+        with suppress(FileNotFoundError):
+            folder.stat()  # tells loops of links, and names that are too long
         with TemporaryFile(dir=nearest):  # permissions alone do not tell
             pass
     except OSError as error:

@@ -49,6 +49,9 @@ def test_what_only_the_task_can_tell() -> None:
     def of(env_id: str, name: str) -> object:
         return lambda value: gym.make(env_id, **{name: value})
 
+    def spread(env_id: str, name: str, value: object) -> object:
+        return gym.make(env_id, variant="randomized", randomization=fo_gym.Randomization(**{name: value}))  # type: ignore[arg-type]
+
     cases: list[Attack] = [
         ("duration", 1e300, of(STICTION, "duration")),
         ("duration", 1e6, of(STICTION, "duration")),
@@ -63,6 +66,12 @@ def test_what_only_the_task_can_tell() -> None:
         ("PDGains.kp", np.ones(3), lambda value: arm(gains=fo_gym.PDGains(value, 1.0))),
         ("GearRipple.period", np.ones(3), lambda value: arm(hardware=Hardware(ripple=GearRipple(1.0, value)))),
         ("MotorEncoder.resolution", np.ones(2), lambda value: arm(sensor_model=SensorModel(MotorEncoder(value)))),
+        *(
+            (f"Randomization.{name}", value, lambda value, name=name, env_id=env_id: spread(env_id, name, value))
+            for env_id in (STICTION, REGULATION)
+            for name, value in (("start", 1e9), ("step", (0.0, 1e9)), ("start", 100.0))
+        ),
+        ("CommandDelay.seconds", 1e9, lambda value: arm(hardware=Hardware(delay=CommandDelay(value)))),
         ("CommandDelay.seconds", 1.5e-3, lambda value: arm(hardware=Hardware(delay=CommandDelay(value)))),
         ("render_mode", "video", of(STICTION, "render_mode")),
     ]

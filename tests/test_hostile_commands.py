@@ -32,8 +32,52 @@ FILES: dict[str, str | bytes] = {
     "no_table/episodes.csv": "a,b\n1\n1,2,3\n",
     "no_seed/episodes.csv": f"{ROW}{STICTION},nominal,pid-low,1.5,full@1,1\n",
     "no_env/episodes.csv": f"{ROW}Nothing-v0,nominal,pid-low,1,full@1,1\n",
+    "no_name/episodes.csv": f"{ROW}{STICTION},nominal,{'x' * 100000},1,full@1,1\n",
+    "no_processor/episodes.csv": f"{ROW}{STICTION},nominal,pid-low,1,full@1,1\n",
+    "no_processor/processor.json": '{"x": 3}',
     "no_variant/episodes.csv": f"{ROW}{STICTION},wild,pid-low,1,full@1,1\n",
 }
+
+
+PROTOCOL = {
+    "name": '"small"',
+    "split": '"validation"',
+    "seeds": "2",
+    "environments": '["FJRSquare-v0"]',
+    "variants": '["nominal"]',
+    "compensators": '["pid-low"]',
+}
+
+
+def protocol(**keys: str) -> str:
+    return "\n".join(f"{key} = {value}" for key, value in {**PROTOCOL, **keys}.items())
+
+
+PROTOCOLS = {
+    "nobody.toml": protocol(compensators='["nobody"]'),
+    "references.toml": protocol(compensators='["none", "ideal"]'),
+    "case.toml": protocol(compensators='["PID-low"]'),
+    "space.toml": protocol(compensators='["pid-low "]'),
+    "blank.toml": protocol(compensators='[""]'),
+    "no_file.toml": protocol(compensators='["nothing.py:Mine"]'),
+    "digits.toml": protocol(seeds="9" * 5000),
+    "nested.toml": f"name = {'[' * 5000}",
+}
+MINE = """import numpy as np
+class Mine:
+    feedback = "nominal"
+    def reset(self, joints, num_envs): self.shape = (num_envs, joints.dof)
+    def estimate(self, signals): return {estimate}
+"""
+ESTIMATES = {
+    "complex_.py": "np.zeros(self.shape, complex)",
+    "bools.py": "np.zeros(self.shape, bool)",
+    "objects.py": "np.zeros(self.shape, object)",
+    "masked.py": "np.ma.masked_array(np.zeros(self.shape), mask=True)",
+    "texts.py": "np.full(self.shape, '1')",
+    "nothing_.py": "None",
+}
+"""What a file's class gives, which crosses to another process."""
 
 
 @pytest.fixture(scope="module")
@@ -44,6 +88,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         path = folder / name
         path.parent.mkdir(exist_ok=True)
         path.write_bytes(content.encode() if isinstance(content, str) else content)
+    (folder / "loop").symlink_to("loop")
+    for name in (*PROTOCOLS, *ESTIMATES):
+        content = PROTOCOLS.get(name) or MINE.format(estimate=ESTIMATES.get(name))
+        (folder / name).write_text(content, encoding="utf-8")
     for name in ("folder.toml", "folder.py", "no_file/episodes.csv"):
         (folder / name).mkdir(parents=True)
     with pytest.MonkeyPatch.context() as patch:
@@ -148,6 +196,28 @@ def test_evaluations(folder: Path) -> None:
     assert written(folder) == before
 
 
+def test_what_files_estimate(folder: Path) -> None:
+    """What is no array of real numbers stays none on its way from another process."""
+    for name in ESTIMATES:
+        with pytest.raises(fo_gym.CompensatorError, match=r"estimate.*(give real numbers|without a mask)"):
+            evaluate(f"{name}:Mine", STICTION, duration=0.01)
+
+
+def test_classes_that_raise_when_made_are_named() -> None:
+    class Refusing:
+        def __init__(self) -> None:
+            raise ZeroDivisionError("no")
+
+    class Hiding:
+        @property
+        def feedback(self) -> str:
+            raise RuntimeError("no")
+
+    for kind in (Refusing, Hiding):
+        with pytest.raises(fo_gym.CompensatorError, match=f"compensator '{kind.__name__}': making it raised .*: no"):
+            evaluate(kind, STICTION)
+
+
 def check_files(
     folder: Path, read: Callable[[Path], object], good: Mapping[str, str], tried: Mapping[str, Iterable[str]]
 ) -> None:
@@ -166,14 +236,6 @@ def check_files(
     assert not offenders, "\n".join(offenders)
 
 
-PROTOCOL = {
-    "name": '"small"',
-    "split": '"validation"',
-    "seeds": "2",
-    "environments": '["FJRSquare-v0"]',
-    "variants": '["nominal"]',
-    "compensators": '["pid-low"]',
-}
 KEYS = tuple(PROTOCOL)
 
 
@@ -230,7 +292,22 @@ def test_entries(folder: Path) -> None:
         "spec": ("1", "true", '""', '"none"', '"ideal"', "[]", "{}", "1979-05-27"),
         "authors": ("1", "true", '"Me"', "[]", "[1]", '["a\\nb"]', "{}"),
         "link": ("1", "true", "[]", '"javascript:x"', '"http://a b"', '"ftp://a"'),
-        "name": ("1", "true", "[]", '""', '"none"', '"a|b"', '"a\\nb"', '"<img>"', '"../a"'),
+        "name": (
+            "1",
+            "true",
+            "[]",
+            '""',
+            '"none"',
+            '"IDEAL"',
+            '".."',
+            '"-"',
+            '"--out"',
+            f'"{"x" * 101}"',
+            '"a|b"',
+            '"a\\nb"',
+            '"<img>"',
+            '"../a"',
+        ),
         "gains": ("1", "true", "[]", '"L"'),
         "sets": ("1", "true", '"L"', "{}", "[1]", "[[]]", "[{}]", '[{env = "a", variant = "nominal", gains = {}}]'),
         "colour": ("1",),
@@ -238,9 +315,7 @@ def test_entries(folder: Path) -> None:
     check_files(folder, load_entry, ENTRY, tried)
 
 
-LONG = 5000 * "a"
-"""No file can have that name."""
-COMMANDS = f"""\
+COMMANDS = """\
 evaluate pid-high --jobs -5
 evaluate pid-high --jobs abc
 evaluate pid-high --jobs 100000
@@ -252,11 +327,6 @@ evaluate pid-high --variant wild
 evaluate pid-high --out file
 evaluate pid-high --out file/deeper
 evaluate pid-high --out /proc/nothing/deeper
-evaluate pid-high --out {LONG}
-evaluate pid-high --store {LONG}
-evaluate {LONG}.toml
-evaluate {LONG}.py:Mine
-evaluate ideal --name better
 evaluate pid-high --gains L
 evaluate pid-high --gains spec=1
 evaluate pid-high --gains L=1979
@@ -264,6 +334,24 @@ evaluate pid-high --gains L=1 --gains L=2
 evaluate pid-high --name a|b
 evaluate pid-high --baselines nobody
 evaluate pid-high --traces
+evaluate pid-high --out loop
+evaluate pid-high --out loop/deeper
+evaluate pid-high --out LONG
+evaluate pid-high --store loop
+evaluate pid-high --store LONG
+evaluate pid-high --out=
+evaluate pid-high --name=
+evaluate pid-high --name -
+evaluate pid-high --name PID-LOW
+evaluate pid-high --name LONG
+evaluate ideal --name mine
+evaluate none --baselines none --out new
+evaluate pid-high --gains L=DIGITS
+evaluate pid-high --gains L=NESTED
+evaluate pid-high --baselines ,,
+evaluate pid-high --baselines pid-low,pid-low
+evaluate LONG.py:Mine
+evaluate LONG.toml
 evaluate :
 evaluate ..a:b
 evaluate os:path
@@ -274,13 +362,23 @@ evaluate empty.py:Mine
 leaderboard --protocol folder.toml
 leaderboard --protocol binary.toml
 leaderboard --protocol nothing.toml
-leaderboard --protocol ''
-leaderboard --protocol {LONG}.toml
+leaderboard --protocol LONG
+leaderboard --protocol nobody.toml
+leaderboard --protocol case.toml
+leaderboard --protocol references.toml
+leaderboard --protocol space.toml
+leaderboard --protocol blank.toml
+leaderboard --protocol no_file.toml
+leaderboard --protocol digits.toml
+leaderboard --protocol nested.toml
+leaderboard --protocol=
+leaderboard --quick --backend ray --address=
+leaderboard --quick --out loop
 leaderboard --quick --store file
 leaderboard --quick --store file/deeper
 leaderboard --quick --out file/deeper
 leaderboard --quick --submissions file
-leaderboard --quick --submissions {LONG}
+leaderboard --quick --submissions LONG
 leaderboard --quick --backend nothing
 leaderboard --quick --address here
 leaderboard --quick --jobs -2
@@ -293,9 +391,9 @@ sweep pid-high --gains L=50 --out file
 sweep pid-high --gains L=50 --env Nothing-v0
 sweep pid-high --gains L=50 --variant wild
 sweep pid-high --gains L=50 --jobs 0
-sweep {LONG}.toml --gains L=50
+sweep LONG.toml --gains L=50
 verify nowhere
-verify {LONG}
+verify LONG
 verify file
 verify no_rows
 verify no_text
@@ -304,6 +402,9 @@ verify no_seed
 verify no_env
 verify no_variant
 verify no_file
+verify no_name
+verify no_processor
+verify LONG
 verify no_seed --sample 0
 verify no_seed --seed -1
 verify no_seed --jobs 0
@@ -322,10 +423,22 @@ tune pid-high --env Nothing-v0
 tune pid-high --variant nominal
 tune pid-high --variant wild
 tune pid-high --out file/deeper
+tune pid-high --out loop
+tune pid-high --name ..
+tune pid-high --name LONG
+tune pid-high --env FJRStiction-v0 --env FJRStiction-v0
+tune pid-high --variant hardware --variant hardware
+sweep pid-high --gains L=1:2:1000000000
+sweep pid-high --gains L=1:2:DIGITS
+sweep pid-high --gains L=1:2:1000 --gains Lp=1:2:1000
+sweep pid-high --gains L=DIGITS
+train --out loop
 train
 train --out file
 train --out new --algo nothing
 bench --env Nothing-v0
+bench --env FJRStiction-v0 --env FJRStiction-v0
+bench --repeats 1000000000
 bench --num-envs 0
 bench --num-envs 1000000000
 bench --repeats 0
@@ -333,14 +446,19 @@ bench --out file/deeper
 """
 
 
+LONGEST = 1000
+WORDS = {"LONG": "x" * 300, "DIGITS": "9" * 5000, "NESTED": "[" * 5000}
+
+
 def test_commands(folder: Path) -> None:
     """Each ends with exit code 2 and says why in a line, or as wrong usage; none writes anything."""
     before = written(folder)
     offenders = []
     for command in COMMANDS.splitlines():
-        result = CliRunner().invoke(app, shlex.split(command))
+        words = re.sub("|".join(WORDS), lambda found: WORDS[found[0]], command).split()
+        result = CliRunner().invoke(app, words)
         told = re.sub(r"\x1b\[[0-9;]*m", "", result.stderr)
-        in_a_line = told.startswith("error: ") and told.count("\n") == 1
+        in_a_line = told.startswith("error: ") and told.count("\n") == 1 and len(told) < LONGEST
         if result.exit_code != 2 or not (in_a_line or "Usage" in told) or result.stdout:
             offenders.append(f"{command}: exit code {result.exit_code}, {result.exception!r}: {result.output}")
         if written(folder) != before:

@@ -112,8 +112,22 @@ def test_options(pair: tuple[Any, Any]) -> None:
         ("reset_mask", value, lambda value: options({"reset_mask": value}, pair[1]))
         for value in (True, [True] * 3, np.ones(3), np.ones(2, bool), np.ones((3, 1), bool), None, "all")
     ]
+    cases += [("reset_mask", np.zeros(3, bool), lambda value: options({"reset_mask": value}, pair[1]))]
     check_refused(cases)
     check_unchanged(pair)
+
+
+def test_steps_out_of_turn() -> None:
+    """Before the first reset, and of a batch that was closed: Gymnasium's own errors."""
+    env, vector = gym.make(STICTION).unwrapped, gym.make_vec(STICTION, num_envs=2)
+    for each in (env, vector):
+        with pytest.raises(gym.error.ResetNeeded, match="before the first reset"):
+            each.step(np.zeros(each.action_space.shape))
+    vector.reset()
+    vector.close()
+    for call in (vector.reset, lambda: vector.step(np.zeros((2, 1)))):
+        with pytest.raises(gym.error.ClosedEnvironmentError, match="make a new one"):
+            call()
 
 
 def test_a_target_outside_the_joint_range_names_joint_range_and_value(pair: tuple[Any, Any]) -> None:

@@ -63,6 +63,7 @@ class TrainingEnv(VectorEnv[Any, Any, Any]):
             "duration": _FOREVER,
             "autoreset_mode": AutoresetMode.DISABLED,
             "randomization": self.course.randomization,
+            "physics_dt": "auto",  # the course has faster joints than the default step follows
         }
         self._robots = gym.make_vec(env_id, feedback="nominal", **arguments)
         self._twins = gym.make_vec(env_id, friction=FRICTIONLESS, **arguments)

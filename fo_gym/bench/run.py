@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import partial
@@ -21,6 +21,7 @@ from fo_gym.bench.subjects import (
     sb3_subproc,
     some_beside_mujoco,
 )
+from fo_gym.checks import shown
 from fo_gym.evaluation.provenance import versions
 from fo_gym.extras import install_command
 
@@ -128,12 +129,14 @@ def _groups(size: Size) -> list[_Group]:
     ]
 
 
-def check_envs(env_ids: Iterable[str]) -> None:
+def check_envs(env_ids: Sequence[str]) -> None:
     """Refuse what is not one of ours.
 
     Raises:
-        ValueError: an environment is not of `fo_gym.ENVIRONMENTS`.
+        ValueError: an environment is not of `fo_gym.ENVIRONMENTS`, or is there twice.
     """
+    if len(set(env_ids)) < len(env_ids):
+        raise ValueError(f"env is {shown(env_ids)}; name each environment once")
     for env_id in env_ids:
         if env_id not in ENVIRONMENTS:
             raise ValueError(f"env is {env_id!r}; allowed are {', '.join(map(repr, ENVIRONMENTS))}")

@@ -6,8 +6,10 @@ at once.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from importlib.metadata import EntryPoint, entry_points
+from itertools import pairwise
 from typing import Any
 
 import typer
@@ -29,6 +31,17 @@ GROUP = "fo_gym.commands"
 __all__ = ["GROUP", "app"]
 
 
+class _Command(TyperCommand):
+    """A command with options that are not empty: `--out "$UNSET"` would mean the folder where one is."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """What is left of the arguments. Stops at an option with an empty text."""
+        for option, value in pairwise((*args, None)):
+            if option and ((option.startswith("--") and value == "") or re.fullmatch(r"--[\w-]+=", option)):
+                raise Stop(f"{option.removesuffix('=')} is ''; give a text that is not empty, or leave it out")
+        return super().parse_args(ctx, args)
+
+
 class _PlugIn(TyperCommand):
     """A command of a plug-in, which is loaded when it is called."""
 
@@ -40,7 +53,7 @@ class _PlugIn(TyperCommand):
         """The context of the command itself, which runs in place of this one."""
         single = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
         try:
-            single.command(self.name)(self._entry.load())
+            single.command(self.name, cls=_Command)(self._entry.load())
             command = typer.main.get_command(single)
         except Exception as error:
             raise Stop(f"command {self.name!r} of {self._entry.value} cannot be loaded: {error}") from error
@@ -78,4 +91,4 @@ _OWN: dict[str, Callable[..., None]] = {
     "tune": run_tune,
 }
 for _name, _function in _OWN.items():
-    app.command(_name)(_function)
+    app.command(_name, cls=_Command)(_function)

@@ -24,7 +24,10 @@ def run_bench(
         int | None, typer.Option(min=1, help="Environments of the batch; 256, or 16 with --quick.")
     ] = None,
     repeats: Annotated[
-        int | None, typer.Option(min=1, help="Rounds, in each of which everybody is timed once; 15, or 3 with --quick.")
+        int | None,
+        typer.Option(
+            min=1, max=10_000, help="Rounds, in each of which everybody is timed once; 15, or 3 with --quick."
+        ),
     ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Tiny: shows that everything runs, not how fast.")] = False,
     out: Annotated[

@@ -86,7 +86,9 @@ def run_evaluate(
         raise Stop(f"--gains and --name are for one compensator; {len(compensators)} were given")
     replaced = gains_of(gains or ())
     done = {*BUILT_IN, *(compensators if not replaced and name is None else ())}
-    others = dict.fromkeys(part.strip() for part in baselines.split(",") if part.strip())
+    others = [part.strip() for part in baselines.split(",")]
+    if not all(others) or len(set(others)) < len(others):
+        raise Stop(f"--baselines is {baselines!r}; give names with commas between, each once, or none")
     try:
         given = [handed_over(text, replaced, name) for text in compensators]
         everybody = (*given, *(competitor_of(text) for text in others if text not in done))
@@ -95,6 +97,10 @@ def run_evaluate(
         protocol = Protocol("evaluate", "validation", seeds, (env,), (variant,), names)
     except ValueError as error:
         raise Stop(str(error)) from error
+    if out is not None and all(name in BUILT_IN for name in names):
+        raise Stop(
+            f"--out is for a ranking, but {', '.join(names)} are references; name a compensator, or leave it out"
+        )
     for competitor in everybody:
         with _telling(), competitor.playing(env, variant):
             pass

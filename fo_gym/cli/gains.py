@@ -7,6 +7,7 @@ import tomllib
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from fo_gym.checks import shown
 from fo_gym.console import Stop
 
 _RANGE = re.compile(r"(?P<low>[^:,]+):(?P<high>[^:,]+):(?P<count>\d{1,9})(?P<linear>:linear)?")
@@ -45,10 +46,12 @@ def _split(options: Iterable[str], form: str) -> dict[str, str]:
 def _value(name: str, text: str) -> Any:
     try:
         content = tomllib.loads(f"value = {text}")
-    except tomllib.TOMLDecodeError:
+    except (ValueError, RecursionError):  # also a number that is too long
         content = {}
     if set(content) != {"value"}:
-        raise Stop(f"--gains: {name} is {text!r}; give a value as TOML has it: a number, true, false, or a quoted text")
+        raise Stop(
+            f"--gains: {name} is {shown(text)}; give a value as TOML has it: a number, true, false, or a quoted text"
+        )
     return content["value"]
 
 
@@ -68,13 +71,14 @@ def _values(name: str, text: str) -> list[float]:
     if found is None:
         values = [_number(name, part) for part in text.split(",")]
     else:
-        low, high, count = _number(name, found["low"]), _number(name, found["high"]), int(found["count"])
+        low, high, count = (_number(name, found[part]) for part in ("low", "high", "count"))
         if not (-float("inf") < low < high < float("inf") and 2 <= count <= MAX_SETS):
             raise Stop(
-                f"--gains: {name} is {text!r}; give LOW below HIGH, both finite, and a COUNT from 2 to {MAX_SETS}"
+                f"--gains: {name} is {shown(text)}; give LOW below HIGH, both finite, and a COUNT from 2 to "
+                f"{MAX_SETS}"
             )
         spaced = linspace if found["linear"] or low <= 0 else geomspace
-        values = [float(f"{value:.{_DIGITS}g}") for value in spaced(low, high, count)]
+        values = [float(f"{value:.{_DIGITS}g}") for value in spaced(low, high, int(count))]
     if len(set(values)) < len(values):
         raise Stop(f"--gains: {name} is {text!r}; it names a value twice")
     return values

@@ -56,7 +56,7 @@ def run_tune(
     check_jobs(jobs)
     check_folder("--out", out)
     try:
-        from fo_gym.tuning.run import tune
+        from fo_gym.tuning.run import check_tuning, tune
         from fo_gym.tuning.study import Case
     except ModuleNotFoundError as error:
         raise Stop(f"{error}; install what `fo-gym tune` needs with: {install_command('tune')}") from error
@@ -77,6 +77,7 @@ def run_tune(
             for env_id in env or ENVIRONMENTS
             for each in variant or VARIANTS
         ]
+        check_tuning(cases, name, author or ())
         with progress_bar(len(cases)) as advance:
             outcomes, written = tune(
                 cases,

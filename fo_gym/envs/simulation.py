@@ -85,6 +85,8 @@ class Simulation:
         self._high = np.where(limited, model.jnt_range[:, 1], np.inf)
         seconds = self.last_tick * settings.control_dt
         self.limits = Limits(task.robot.joints, self._low, self._high, seconds, takes_target=task.step is not None)
+        if settings.variant != "nominal":
+            self.limits.check_draws(self.task)
         self._origin = Origin.of(task, num_envs, settings, self.effects)
         self._where = np.full(num_envs, INSIDE)
         self._compensates = settings.action_mode == "compensation"

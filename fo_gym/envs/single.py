@@ -47,6 +47,7 @@ class JointEnv(gym.Env[Array, Array]):
         self.render_mode = render_mode
         self.metadata = {**self.metadata, "render_fps": max(1, round(1.0 / chosen.step_dt))}
         self._renderer: SceneRenderer | None = None
+        self._started = False
         size = self.simulation.observation_size
         limit = self.simulation.joints.torque_limit
         self.observation_space = Box(-np.inf, np.inf, (size,), np.float64)
@@ -85,6 +86,7 @@ class JointEnv(gym.Env[Array, Array]):
         chosen = self.simulation.limits.read(options)
         super().reset(seed=None if seed is None else seed_number("seed", seed))
         self.simulation.reset(_ONE, [self.np_random], chosen)
+        self._started = True
         if self._renderer is not None:
             self._renderer.clear_trace()
         if self.render_mode == "human":
@@ -97,6 +99,8 @@ class JointEnv(gym.Env[Array, Array]):
         Raises:
             ValueError: the action has the wrong shape, or is not of finite real numbers.
         """
+        if not self._started:
+            raise gym.error.ResetNeeded("step() was called before the first reset(); call reset() first")
         batch = checked_action(action, (self.simulation.dof,))[None]
         reward, terminated, truncated, reasons = self.simulation.step(batch)
         info = self._info()
@@ -140,6 +144,7 @@ class JointEnv(gym.Env[Array, Array]):
         check_random_state("state of the random generator", generator, deepcopy(self.np_random))
         self.simulation.set_state(simulation)
         self.np_random.bit_generator.state = generator
+        self._started = True
 
     def __getstate__(self) -> dict[str, Any]:
         # A renderer holds an OpenGL context; the copy makes its own when asked to draw.

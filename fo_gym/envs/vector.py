@@ -107,9 +107,15 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
             for new, generator in zip(seed, old, strict=True)
         ]
 
+    def _check_open(self) -> None:
+        if self.closed:
+            raise gym.error.ClosedEnvironmentError("the environment was closed; make a new one")
+
     def _checked_mask(self, mask: Any) -> NDArray[np.bool_]:
         if not (isinstance(mask, np.ndarray) and mask.shape == (self.num_envs,) and mask.dtype == np.bool_):
             raise ValueError(f"reset_mask is {shown(mask)}; it must be a NumPy array of {self.num_envs} bools")
+        if not mask.any():
+            raise ValueError(f"reset_mask is {shown(mask)}; give True for at least one environment")
         if not self._generators and not mask.all():
             raise gym.error.ResetNeeded("the first reset() must be of all environments, without a reset_mask")
         return mask
@@ -138,6 +144,7 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
             ValueError: a seed is not allowed, `options` are not those of `JointEnv.reset`, or the mask has another
                 shape or dtype; nothing has changed then.
         """
+        self._check_open()
         instance("options", options, Mapping, none="no changes")
         rest = {key: value for key, value in (options or {}).items() if key != "reset_mask"}
         chosen = self.simulation.limits.read(rest)
@@ -156,6 +163,7 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         Raises:
             ValueError: the actions have the wrong shape, or are not of finite real numbers.
         """
+        self._check_open()
         if not self._generators:
             raise gym.error.ResetNeeded("step() was called before the first reset()")
         if self._ended.any() and not self._autoreset:

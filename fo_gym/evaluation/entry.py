@@ -25,6 +25,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from fo_gym.checks import shown
 from fo_gym.compensators import BUILT_IN, is_ours
 from fo_gym.evaluation.competitor import BASELINE, REFERENCE, SUBMISSION, YOURS, Competitor, Gains
 from fo_gym.evaluation.protocol import known_environments, read_toml
@@ -32,6 +33,7 @@ from fo_gym.tasks.variants import VARIANTS
 from fo_gym.text import one_line
 
 _NEEDED, _ALLOWED = ("spec", "authors", "link"), ("name", "gains", "sets")
+_LONGEST_NAME = 100
 _WORDS: Mapping[type, str] = {str: "text", list: "list", dict: "table"}
 
 __all__ = [
@@ -100,10 +102,10 @@ def submissions_in(folder: Path) -> tuple[Competitor, ...]:
 
 
 def check_names(competitors: Iterable[Competitor]) -> None:
-    """Raise ValueError where two competitors have the same name, as files show it."""
+    """Raise ValueError where two competitors have the same name, as files show it, whatever the case."""
     seen: dict[str, Competitor] = {}
     for each in competitors:
-        shown = one_line(each.name)
+        shown = one_line(each.name).casefold()
         if shown in seen:
             raise ValueError(
                 f"two competitors are called {each.name!r}: {seen[shown].spec} and {each.spec}; "
@@ -154,10 +156,10 @@ def _check_keys(
 
 def check_name(what: str, name: str) -> str:
     """A name that tables and files can bear. Raises ValueError for another one; `what` says where it stands."""
-    if name in BUILT_IN or not re.fullmatch(r"[\w.+-]+( [\w.+-]+)*", name):
+    if name.casefold() in BUILT_IN or len(name) > _LONGEST_NAME or not re.fullmatch(r"\w[\w.+-]*( [\w.+-]+)*", name):
         raise ValueError(
-            f"{what} is {name!r}; give letters, digits and . _ + - with single spaces between, and neither of the "
-            f"references {', '.join(BUILT_IN)}"
+            f"{what} is {shown(name)}; give letters, digits and . _ + - with single spaces between, a letter or digit "
+            f"first, at most {_LONGEST_NAME} of them, and neither of the references {', '.join(BUILT_IN)}"
         )
     return name
 

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from fo_gym.checks import choice, only, shown, text, whole_number
-from fo_gym.compensators import Compensator, Ideal, NoCompensation, checked
+from fo_gym.compensators import Compensator, Ideal, NoCompensation, handed
 from fo_gym.envs.settings import Settings
 from fo_gym.evaluation.entry import competitor_of
 from fo_gym.evaluation.metrics import METRICS, score
@@ -172,4 +172,4 @@ def _playing(
             yield competitor.name, instance, competitor.hash_on(env_id, variant)
     else:
         name = compensator.__name__ if isinstance(compensator, type) else type(compensator).__name__
-        yield name, checked(compensator() if isinstance(compensator, type) else compensator, name), ""
+        yield name, handed(compensator, name), ""

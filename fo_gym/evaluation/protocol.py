@@ -13,7 +13,7 @@ from typing import Any
 
 from gymnasium.envs.registration import registry
 
-from fo_gym.checks import choice, text
+from fo_gym.checks import choice, shown, text
 from fo_gym.evaluation.seeds import LEADERBOARD_SEEDS, VALIDATION_SEEDS, first
 from fo_gym.tasks.variants import VARIANTS
 
@@ -50,7 +50,7 @@ class Protocol:
 
     def __post_init__(self) -> None:
         if not isinstance(self.seeds, int) or isinstance(self.seeds, bool):
-            raise ValueError(f"protocol {self.name!r}: seeds is {self.seeds!r}; it must be a whole number")
+            raise ValueError(f"protocol {self.name!r}: seeds is {shown(self.seeds)}; it must be a whole number")
         text("protocol: name", self.name)
         choice(f"protocol {self.name!r}: split", self.split, SPLITS)
         for what, values, allowed in (
@@ -94,7 +94,7 @@ def read_toml(what: str, path: Path) -> dict[str, Any]:
     """The content of a TOML file. Raises ValueError where it cannot be read, naming it as `what`."""
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError, OSError) as error:
+    except (ValueError, RecursionError, OSError) as error:
         raise ValueError(f"{what} {path}: {error}; give a text file in TOML") from error
 
 
@@ -107,7 +107,7 @@ def load_protocol(file: str | Path) -> Protocol:
     shipped = shipped_protocols()
     path = shipped.get(str(file), Path(file))
     if not os.path.isfile(path):
-        raise ValueError(f"there is no protocol {str(file)!r}; name a TOML file or one of {', '.join(shipped)}")
+        raise ValueError(f"there is no protocol {shown(str(file))}; name a TOML file or one of {', '.join(shipped)}")
     content = read_toml("protocol", path)
     expected = {field.name for field in fields(Protocol)}
     if set(content) != expected:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from fo_gym.checks import choice
+from fo_gym.checks import choice, instance, shown
 from fo_gym.compensators import BUILT_IN
 from fo_gym.evaluation.competitor import Competitor
 from fo_gym.evaluation.entry import check_names, competitor_of
@@ -57,7 +57,7 @@ def published(folder: Path) -> pd.DataFrame:
         for value in table[column].unique():
             choice(f"{file}: {column}", value, allowed)
     for value in table["seed"][~table["seed"].str.fullmatch(r"\d{1,38}")]:
-        raise ValueError(f"{file}: seed is {value!r}; it must be a whole number of at least 0")
+        raise ValueError(f"{file}: seed is {shown(value)}; it must be a whole number of at least 0")
     return table if "processor" in table else table.assign(processor="")
 
 
@@ -72,8 +72,11 @@ def features_of(folder: Path) -> Mapping[str, Mapping[str, str]]:
         return {}
     try:
         content = json.loads(file.read_text(encoding="utf-8"))
+        instance("what it holds", content, dict)
+        for name, told in content.items():
+            instance(f"{shown(name)} in it", told, dict)
         return {str(name): {str(key): str(value) for key, value in told.items()} for name, told in content.items()}
-    except (ValueError, AttributeError, OSError) as error:
+    except (ValueError, RecursionError, OSError) as error:
         raise ValueError(f"{file} cannot be read ({error}); remove it, or write it again with the rows") from error
 
 
@@ -129,8 +132,8 @@ def contests_of(
         for each, content in zip(competitors, (_hash_of(rows, name) for name in names), strict=True):
             if content and not each.content.files:
                 raise ValueError(
-                    f"competitor {each.name!r} is not known here; install its package, run this where its file is, or "
-                    "name its entry: the folder of submissions, or the protocol that lists it"
+                    f"competitor {shown(each.name)} is not known here; install its package, run this where its file "
+                    "is, or name its entry: the folder of submissions, or the protocol that lists it"
                 )
         contests.append(Contest(EpisodeSet(env_id, variant, seeds, {}), competitors))
     return contests

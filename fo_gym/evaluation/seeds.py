@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fo_gym.checks import shown
+
 # Small numbers are what everybody types: they are for training.
 TRAINING_SEEDS = range(1_000_000_000)
 VALIDATION_SEEDS = range(1_000_000_000, 1_000_001_000)
@@ -18,5 +20,5 @@ def first(seeds: range, count: int) -> tuple[int, ...]:
         ValueError: `count` is below 1 or above the number of seeds.
     """
     if not 1 <= count <= len(seeds):
-        raise ValueError(f"{count} seeds were asked for; give a number from 1 to {len(seeds)}")
+        raise ValueError(f"{shown(count)} seeds were asked for; give a number from 1 to {len(seeds)}")
     return tuple(seeds[:count])

@@ -28,7 +28,11 @@ from fo_gym.parameters import check_joints
 Value = float | NDArray[np.float64]
 Range = tuple[float, float]
 
+MAX_DELAY = 1000
+"""Control periods of a delay at most: a second at 1 kHz."""
+
 __all__ = [
+    "MAX_DELAY",
     "CommandDelay",
     "GearRipple",
     "Hardware",
@@ -111,7 +115,7 @@ class CommandDelay:
     """Commands reach the motor late. Origin: ours; one cycle of a 1 kHz bus.
 
     Attributes:
-        seconds: a whole number of control periods, at least 0.
+        seconds: a whole number of control periods, from 0 to MAX_DELAY.
     """
 
     seconds: float
@@ -120,15 +124,12 @@ class CommandDelay:
         check_numbers(self, seconds=NOT_NEGATIVE)
 
     def ticks(self, control_dt: float) -> int:
-        """The delay in control periods.
-
-        Raises:
-            ValueError: it is no whole number of them.
-        """
+        """The delay in control periods. Raises ValueError where it is no whole number of them, or above MAX_DELAY."""
         ticks = round(self.seconds / control_dt)
-        if abs(ticks * control_dt - self.seconds) > 1e-9:
+        if ticks > MAX_DELAY or abs(ticks * control_dt - self.seconds) > 1e-9:
             raise ValueError(
-                f"CommandDelay.seconds is {self.seconds}; it must be a whole number of control_dt = {control_dt} s"
+                f"CommandDelay.seconds is {self.seconds}; it must be a whole number of control_dt = {control_dt} s, "
+                f"at most {MAX_DELAY} of them"
             )
         return ticks
 

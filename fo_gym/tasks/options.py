@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from fo_gym.checks import instance, real_array, shown
 from fo_gym.tasks.scenario import Push, Scenario
+from fo_gym.tasks.task import Task
 
 Array = NDArray[np.float64]
 
@@ -73,6 +74,17 @@ class Limits:
             target=self._target(options["target"]) if "target" in options else None,
             push=self._push(options["push"]) if "push" in options else None,
         )
+
+    def check_draws(self, task: Task) -> None:
+        """Raise ValueError where an episode that is drawn could start or aim outside a joint's range."""
+        spread = task.randomization
+        drawn = {"start": spread.start} | ({} if task.step is None else {"step": np.abs(task.step) * spread.step[1]})
+        for name, reach in drawn.items():
+            for j in np.flatnonzero((task.q_start - reach < self.low) | (task.q_start + reach > self.high)):
+                raise ValueError(
+                    f"Randomization.{name} is {getattr(spread, name)}: it takes joint {self.joints[j]!r} from "
+                    f"{task.q_start[j]:g} out of its range, {self.low[j]:g} to {self.high[j]:g}; give a smaller one"
+                )
 
     def _target(self, value: Any) -> Array:
         if not self.takes_target:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from fo_gym.checks import shown
 from fo_gym.evaluation.backends import Processes
 from fo_gym.evaluation.entry import check_authors, check_name
 from fo_gym.files import atomic, csv
@@ -12,7 +13,16 @@ from fo_gym.tuning.entry import authors_of, entry_text, spec_beside
 from fo_gym.tuning.space import default_gains
 from fo_gym.tuning.study import Case, Outcome, run_study
 
-__all__ = ["tune"]
+__all__ = ["check_tuning", "tune"]
+
+
+def check_tuning(cases: Sequence[Case], name: str, authors: Sequence[str] = ()) -> tuple[str, ...]:
+    """Who made the compensator, as `tune` credits them. Raises ValueError for what cannot be tuned so."""
+    check_name("name", name)
+    sets = [(case.env_id, case.variant) for case in cases]
+    if len(set(sets)) < len(sets):
+        raise ValueError(f"environments and variants are {shown(sets)}; name each environment and variant once")
+    return check_authors("authors", authors or authors_of(cases[0].spec))
 
 
 def tune(
@@ -40,12 +50,10 @@ def tune(
         What the studies found; the files.
 
     Raises:
-        ValueError: the name or an author cannot stand in an entry, the compensator declares no gains, or it took its
-            process down.
+        ValueError: the name or an author cannot stand in an entry, a case is there twice, the compensator declares no
+            gains, or it took its process down.
     """
-    check_name("name", name)
-    spec = cases[0].spec
-    credited = check_authors("authors", authors or authors_of(spec))
+    spec, credited = cases[0].spec, check_tuning(cases, name, authors)
     default_gains(spec)  # what cannot be tuned is told before there are workers
     found: dict[int, Outcome] = {}
     for place, outcome in Processes(jobs).run(run_study, [(case, out / name / "journals") for case in cases]):

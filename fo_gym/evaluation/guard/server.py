@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from fo_gym import compensators
+from fo_gym.checks import real
 from fo_gym.evaluation.guard.channel import BEGIN, DECLARE, DONE, RAISED, RESET, SHAPE, TICK, Channel
 from fo_gym.evaluation.guard.faults import LONGEST_TEXT
 from fo_gym.evaluation.guard.frames import place_of, traceback_of
@@ -54,7 +55,7 @@ class _Server:
 
     def _tick(self, _: Any) -> tuple[bytes, Any]:
         signals = Signals.from_observation(self._observations.copy(), self._dof, self._available)
-        answer = np.asarray(self._compensator.estimate(signals), dtype=np.float64)
+        answer = real("estimate", self._compensator.estimate(signals))
         if answer.shape != self._estimates.shape:
             return SHAPE, answer.shape
         self._estimates[...] = answer
