@@ -25,7 +25,12 @@ class TestEnvironment:
         env = TrainingEnv(STICTION, 2, design)
         env.reset(seed=11)
         course = COURSES[STICTION]
-        arguments = {"num_envs": 2, "variant": "randomized", "randomization": course.randomization}
+        arguments = {
+            "num_envs": 2,
+            "variant": "randomized",
+            "randomization": course.randomization,
+            "physics_dt": "auto",
+        }
         robots = gym.make_vec(STICTION, feedback="nominal", **arguments)
         twins = gym.make_vec(STICTION, friction=fo_gym.FRICTIONLESS, **arguments)
         obs, _ = robots.reset(seed=11)
@@ -100,3 +105,9 @@ class TestEnvironment:
     def test_an_environment_without_a_course(self):
         with pytest.raises(ValueError, match=r"no training course for 'CartPole-v1'; there is one for FJRStiction-v0"):
             course_of("CartPole-v1")
+
+
+def test_every_course_is_followed_by_its_step() -> None:
+    """The most extreme joints that a course may draw, in many episodes: none is refused for a step that is too long."""
+    for env_id in COURSES:
+        TrainingEnv(env_id, 64, Design()).reset(seed=0)

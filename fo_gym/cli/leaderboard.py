@@ -57,6 +57,7 @@ def run_leaderboard(
 
         fo-gym leaderboard --backend ray --address 10.0.0.1:6379
     """
+    from fo_gym.compensators import check_spec
     from fo_gym.evaluation.protocol import load_protocol
 
     if quick and protocol is not None:
@@ -69,8 +70,10 @@ def run_leaderboard(
         chosen = load_protocol(("quick" if quick else "full") if protocol is None else protocol)
         theirs = submissions_of(submissions)
         from fo_gym.evaluation.report import write_results
-        from fo_gym.evaluation.run import contests_in
+        from fo_gym.evaluation.run import competitors_of, contests_in
 
+        for competitor in competitors_of(chosen):  # submissions are not the user's to mend
+            check_spec(competitor.spec)
         contests = contests_in(chosen, theirs, traced=traces)
     except ValueError as error:
         raise Stop(str(error)) from error

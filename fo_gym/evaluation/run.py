@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import pandas as pd
 
-from fo_gym.compensators import BUILT_IN, check_spec
+from fo_gym.compensators import BUILT_IN
 from fo_gym.evaluation.backends import Backend, BackendError, Processes
 from fo_gym.evaluation.competitor import Competitor
 from fo_gym.evaluation.entry import check_names, competitor_of
@@ -80,12 +80,10 @@ def competitors_of(protocol: Protocol, submissions: Sequence[Competitor] = ()) -
     """Who takes part besides `none` and `ideal`: those that the protocol names, then the submissions.
 
     Raises:
-        ValueError: an entry is not allowed, two have the same name, or nothing is called so.
+        ValueError: an entry is not allowed, or two have the same name.
     """
     named = tuple(competitor_of(name) for name in protocol.compensators if name not in BUILT_IN)
     check_names((*named, *submissions))
-    for each in (*named, *submissions):
-        check_spec(each.spec)
     return (*named, *submissions)
 
 
@@ -94,7 +92,7 @@ def contests_in(protocol: Protocol, submissions: Sequence[Competitor] = (), *, t
     competitors = competitors_of(protocol, submissions)
     if not competitors:
         raise ValueError(
-            f"protocol {protocol.name!r}: compensators is {list(protocol.compensators)}; name one besides the references"
+            f"protocol {protocol.name!r}: compensators is {list(protocol.compensators)}; name one besides references"
         )
     return [
         Contest(EpisodeSet(env_id, variant, protocol.seeds_of(variant), {}, traced), competitors)
