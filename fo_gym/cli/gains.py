@@ -74,8 +74,7 @@ def _values(name: str, text: str) -> list[float]:
         low, high, count = (_number(name, found[part]) for part in ("low", "high", "count"))
         if not (-float("inf") < low < high < float("inf") and 2 <= count <= MAX_SETS):
             raise Stop(
-                f"--gains: {name} is {shown(text)}; give LOW below HIGH, both finite, and a COUNT from 2 to "
-                f"{MAX_SETS}"
+                f"--gains: {name} is {shown(text)}; give LOW below HIGH, both finite, and a COUNT from 2 to {MAX_SETS}"
             )
         spaced = linspace if found["linear"] or low <= 0 else geomspace
         values = [float(f"{value:.{_DIGITS}g}") for value in spaced(low, high, int(count))]
