@@ -12,7 +12,8 @@ import pytest
 
 from fo_gym.evaluation import processor as module
 from fo_gym.evaluation.guard import process
-from fo_gym.evaluation.processor import VARIABLES, processor, processor_features
+from fo_gym.evaluation.instructions import VARIABLES
+from fo_gym.evaluation.processor import processor, processor_features
 from fo_gym.evaluation.provenance import is_provenance, provenance
 
 ELSEWHERE = Path(__file__).parents[1] / "docs" / "processors" / "elsewhere.py"

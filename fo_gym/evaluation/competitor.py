@@ -23,9 +23,12 @@ the suite itself (`none`, `ideal`)."""
 Gains = Mapping[str, Any]
 """Keyword arguments of a compensator."""
 
+MAX_SETS = 10_000
+"""Sets of gains in a sweep at most: each is a competitor of its own, with rows of its own."""
+
 _HASH_LENGTH = 16
 
-__all__ = ["BASELINE", "REFERENCE", "SUBMISSION", "YOURS", "Competitor", "Gains"]
+__all__ = ["BASELINE", "MAX_SETS", "REFERENCE", "SUBMISSION", "YOURS", "Competitor", "Gains"]
 
 
 @dataclass(frozen=True)

@@ -14,19 +14,11 @@ import numba
 import numpy as np
 
 from fo_gym.evaluation.content import digest
-
-_SETTINGS = ("OPENBLAS_CORETYPE", "GLIBC_TUNABLES")
-"""Variables that make OpenBLAS, and the C library with its exp, sin and so on, compute as another processor would."""
-
-VARIABLES = (
-    *("NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "NPY_DISABLE_CPU_FEATURES", "NPY_ENABLE_CPU_FEATURES"),
-    *_SETTINGS,
-)
-"""All variables by which libraries are told to compute as another processor would."""
+from fo_gym.evaluation.instructions import READ_BY_C
 
 _HASH_LENGTH = 8
 
-__all__ = ["VARIABLES", "processor", "processor_features"]
+__all__ = ["processor", "processor_features"]
 
 
 @lru_cache(maxsize=1)
@@ -50,7 +42,7 @@ def processor_features() -> Mapping[str, str]:
             "numba_features": _enabled(compiled_with),
             "numpy_features": " ".join(_numpy_features()),
             "libc": " ".join(platform.libc_ver()),
-            **{name: os.environ.get(name, "") for name in _SETTINGS},
+            **{name: os.environ.get(name, "") for name in READ_BY_C},
         }
     )
 

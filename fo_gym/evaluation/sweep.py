@@ -15,7 +15,7 @@ from joblib import cpu_count
 
 from fo_gym.compensators import CompensatorError
 from fo_gym.evaluation.backends import Processes
-from fo_gym.evaluation.competitor import Competitor
+from fo_gym.evaluation.competitor import MAX_SETS, Competitor
 from fo_gym.evaluation.entry import competitor_of
 from fo_gym.evaluation.evaluate import (
     FAILED,
@@ -34,12 +34,9 @@ from fo_gym.evaluation.trial import failed_trial
 _BATCH = 64
 """Episodes that share a batch, about: larger ones gain little time and take more memory."""
 
-MAX_SETS = 10_000
-"""Sets of gains at most: each is a competitor of its own, with rows of its own."""
-
 Gains = Mapping[str, Sequence[float]]
 
-__all__ = ["MAX_SETS", "Grid", "Plan", "summary_of", "sweep"]
+__all__ = ["Grid", "Plan", "summary_of", "sweep"]
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from typing import IO, Protocol
 from fo_gym.evaluation.guard import memory
 from fo_gym.evaluation.guard.faults import EndedError, plain
 from fo_gym.evaluation.guard.limits import Limits
-from fo_gym.evaluation.processor import VARIABLES
+from fo_gym.evaluation.instructions import VARIABLES
 
 _BOOT = """import json, sys
 sys.path[:] = json.loads(sys.argv[1])
