@@ -1,4 +1,4 @@
-"""The variables by which libraries are told to compute as another processor would; no library is needed to name them."""
+"""The variables by which libraries are told to compute as another processor would, apart from what reads them."""
 
 from __future__ import annotations
 
