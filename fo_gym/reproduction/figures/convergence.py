@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 from fo_gym.reproduction.cases import PERIOD, Case, paper_case
 from fo_gym.reproduction.figures.precision import Point, arm_step, measure
@@ -118,6 +119,7 @@ def _draw_over_step(axis: Axes, curves: Curves, unit: str) -> None:
         middle = np.sqrt(ends.prod()), np.sqrt(slope.prod())
         axis.annotate(f"order {order}", middle, textcoords="offset points", fontsize=8.0, **place)
     axis.set_xlim(1e-2, 0.4)
+    axis.xaxis.set_minor_formatter(NullFormatter())
     axis.set_xlabel("step [ms]")
     axis.set_ylabel(f"largest error [{unit}]")
 
