@@ -37,7 +37,9 @@ FAILURES = {
     "endings.py:ByMuteError": r"estimate raised MuteError at tick 2:  \(endings",
     "endings.py:Fraction": r"estimate returned \[nan\] at tick 0 in episode 0; it must be finite",
     "endings.py:Wide": r"estimate returned shape \(2, 1, 1000000\) at tick 0; \(num_envs, dof\) is \(2, 1\)",
-    "endings.py:Words": r"at tick 0: estimate is \[\['much'\]\], of type <U4; give real numbers",
+    "endings.py:Words": (
+        r"estimate raised ValueError at tick 0: estimate is \[\['much'\]\], of type <U4; give real numbers"
+    ),
     "forgers.py:Early": r"at tick \d+: it answered before it was asked",
     "forgers.py:Flood": "at tick 2: it sent 10000002 bytes; 65536 are allowed",
     "forgers.py:Garbage": "at tick 2: it sent what is no JSON",

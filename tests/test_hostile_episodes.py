@@ -69,6 +69,7 @@ def test_seeds_of_numpy_and_of_gymnasium_itself_are_taken() -> None:
     for seed in (np.int64(3), np.uint8(3), drawn, MAX_SEED):
         env.reset(seed=seed)
         vector.reset(seed=seed)
+        assert env.unwrapped.np_random_seed == seed
     vector.reset(seed=np.array([1, 2]))
     vector.reset(seed=(1, None))
 

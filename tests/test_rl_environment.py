@@ -110,4 +110,5 @@ class TestEnvironment:
 def test_every_course_is_followed_by_its_step() -> None:
     """The most extreme joints that a course may draw, in many episodes: none is refused for a step that is too long."""
     for env_id in COURSES:
-        TrainingEnv(env_id, 64, Design()).reset(seed=0)
+        observation, _ = TrainingEnv(env_id, 64, Design()).reset(seed=0)
+        assert np.isfinite(observation).all()
