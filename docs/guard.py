@@ -12,9 +12,9 @@ from time import perf_counter
 import numpy as np
 
 import baselines.kim2019
-from fo_gym.evaluation.competitor import Competitor
-from fo_gym.evaluation.evaluate import EpisodeSet
-from fo_gym.evaluation.seeds import VALIDATION_SEEDS, first
+from fo_gym.evaluation.competitors.competitor import Competitor
+from fo_gym.evaluation.runs.episodes import EpisodeSet
+from fo_gym.evaluation.runs.seeds import VALIDATION_SEEDS, first
 
 ROUNDS = 5
 SECONDS = 4.0

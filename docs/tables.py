@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from fo_gym.evaluation.leaderboard import SET
 from fo_gym.evaluation.metrics import METRICS
 from fo_gym.evaluation.metrics.registry import HEADLINE
-from fo_gym.evaluation.statistics import interquartile_mean, paired_difference
-from fo_gym.evaluation.tables import Ranking, explained, finding, markdown, summary
+from fo_gym.evaluation.results.statistics import interquartile_mean, paired_difference
+from fo_gym.evaluation.results.tables import Ranking, explained, finding, markdown, summary
+from fo_gym.evaluation.runs.episodes import SET
 from fo_gym.files import read_csv
 from fo_gym.reproduction.report import PLACES, counts, tolerance
 from fo_gym.reproduction.run import FAILS, HOLDS

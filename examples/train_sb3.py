@@ -13,7 +13,7 @@ from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.monitor import Monitor
 
 import fo_gym
-from fo_gym.evaluation.seeds import TRAINING_SEEDS, VALIDATION_SEEDS
+from fo_gym.evaluation.runs.seeds import TRAINING_SEEDS, VALIDATION_SEEDS
 
 
 def make_env(seed: int, level: float = 3.0) -> gym.Env:

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from fo_gym.checks import shown, text
 from fo_gym.parameters import JointInfo
-from fo_gym.sensors import Signals
+from fo_gym.signals import Signals
 
 Array = NDArray[np.float64]
 

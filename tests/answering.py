@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from fo_gym import JointInfo, Signals
-from fo_gym.evaluation.evaluate import EpisodeSet
-from fo_gym.evaluation.recording import Recording
+from fo_gym.evaluation.episode.recording import Recording
+from fo_gym.evaluation.runs.episodes import EpisodeSet
 
 STICTION, REGULATION, SQUARE = "FJRStiction-v0", "FJRRegulation-v0", "FJRSquare-v0"
 DOF = {STICTION: 1, REGULATION: 7, SQUARE: 7}

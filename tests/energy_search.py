@@ -21,11 +21,11 @@ import numpy as np
 import fo_gym
 from fo_gym.envs.arm import ARM_FRICTION
 from fo_gym.envs.regulation import REGULATION
-from fo_gym.envs.settings import Settings
-from fo_gym.envs.simulation import Simulation
 from fo_gym.envs.square import SQUARE
 from fo_gym.envs.stiction import STICTION
 from fo_gym.plant.kernel import PARAMETERS
+from fo_gym.simulation.settings import Settings
+from fo_gym.simulation.simulation import Simulation
 from fo_gym.tasks.task import Task
 
 UNDAMPED = {"friction": replace(STICTION.friction, sigma_1=0.0), "physics_dt": "auto"}

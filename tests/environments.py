@@ -8,8 +8,8 @@ import pytest
 
 import fo_gym
 
-IDS = fo_gym.ENVIRONMENTS
-SQUARE_ID = IDS[2]
+IDS = tuple(fo_gym.ENVIRONMENTS)
+SQUARE_ID = "FJRSquare-v0"
 every_env = pytest.mark.parametrize("env_id", IDS)
 
 

@@ -5,10 +5,9 @@ from typing import Any
 
 import pandas as pd
 
-from fo_gym import ENVIRONMENTS
-from fo_gym.evaluation.evaluate import EpisodeSet, failed_rows
+from fo_gym.evaluation.runs.episodes import EpisodeSet, failed_rows
 
-STICTION, REGULATION, SQUARE = ENVIRONMENTS
+STICTION, REGULATION, SQUARE = "FJRStiction-v0", "FJRRegulation-v0", "FJRSquare-v0"
 SIX = ("pid-low", "pid-high", "pd-low", "pd-high", "letien-low", "letien-high")
 PACKAGES = {name: f"version_{name.replace('-', '_')}" for name in ("fo-gym", "gymnasium", "mujoco", "numba", "numpy")}
 PACKAGES["scipy"] = "version_scipy"

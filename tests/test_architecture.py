@@ -24,16 +24,22 @@ TREES = {module: ast.parse(path.read_text(encoding="utf-8")) for module, path in
 # Data flows one way: a part imports from its own and from those before it. Parts on one line are equals that do not
 # know each other.
 FLOW = (
-    ("envs_assets", "fo_gym.checks", "fo_gym.extras", "fo_gym.text"),
-    ("fo_gym.generators", "fo_gym.parameters", "fo_gym.sensors"),
-    ("fo_gym.hardware",),
+    ("envs_assets", "fo_gym.checks", "fo_gym.extras", "fo_gym.instructions", "fo_gym.text", "fo_gym.toml"),
+    ("fo_gym.generators", "fo_gym.parameters", "fo_gym.signals"),
     ("fo_gym.plant",),
+    ("fo_gym.hardware",),
     ("fo_gym.control",),
     ("fo_gym.tasks",),
+    ("fo_gym.simulation",),
     ("fo_gym.envs",),
     ("fo_gym.files", "fo_gym.console", "fo_gym.sb3"),
     ("fo_gym.compensators",),
     ("fo_gym.evaluation", "fo_gym.protocols"),
+    ("fo_gym.evaluation.episode",),
+    ("fo_gym.evaluation.metrics",),
+    ("fo_gym.evaluation.competitors",),
+    ("fo_gym.evaluation.runs",),
+    ("fo_gym.evaluation.results",),
     ("fo_gym",),
     ("fo_gym.reproduction", "fo_gym.bench", "fo_gym.tuning"),
     ("fo_gym.cli", "baselines"),
@@ -49,7 +55,7 @@ def part_of(module: str) -> str:
     names = module.split(".")
     if names[0] != "fo_gym" or len(names) == 1:
         return names[0]
-    return ".".join(names[:2])
+    return ".".join(names[:3] if names[1] == "evaluation" else names[:2])
 
 
 def imports(module: str) -> Iterator[tuple[str, str]]:

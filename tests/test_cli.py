@@ -22,9 +22,9 @@ from typer.testing import CliRunner
 import fo_gym
 from fo_gym import cli, extras
 from fo_gym.cli import app, view
-from fo_gym.evaluation.entry import shipped_entries
+from fo_gym.evaluation.competitors.entry import shipped_entries
 from fo_gym.evaluation.metrics import METRICS
-from fo_gym.evaluation.tables import Ranking
+from fo_gym.evaluation.results.tables import Ranking
 from fo_gym.tasks.variants import VARIANTS
 
 pytestmark = pytest.mark.usefixtures("short_episodes")

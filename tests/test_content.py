@@ -11,8 +11,8 @@ from entries import ENTRY, MINE, Write
 from tables import SQUARE, STICTION
 
 import fo_gym
-from fo_gym.evaluation.content import content_of, suite
-from fo_gym.evaluation.entry import load_entry
+from fo_gym.evaluation.competitors.content import content_of, suite
+from fo_gym.evaluation.competitors.entry import load_entry
 
 
 def test_only_what_is_imported_counts() -> None:
@@ -104,6 +104,6 @@ def test_the_suite_is_everything_that_computes() -> None:
         for path in (root / part).rglob("*.py"):
             module = ".".join(("fo_gym", *path.relative_to(root).with_suffix("").parts))
             assert path.name == "__init__.py" or module in files, module
-    assert {"fo_gym", "fo_gym.evaluation.recording", "envs_assets", "envs_assets/miro_like.xml"} <= files
-    assert not {"fo_gym.evaluation.tables", "fo_gym.evaluation.store", "fo_gym.cli"} & files
+    assert {"fo_gym", "fo_gym.evaluation.episode.recording", "envs_assets", "envs_assets/miro_like.xml"} <= files
+    assert not {"fo_gym.evaluation.results.tables", "fo_gym.evaluation.runs.store", "fo_gym.cli"} & files
     assert {"mujoco", "numba", "numpy"} <= set(suite().versions)

@@ -19,7 +19,7 @@ from fo_gym.plant import Robot
 from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.tasks.path import SquarePath, path_table
 
-STICTION_ID, REGULATION_ID, SQUARE_ID = fo_gym.ENVIRONMENTS
+STICTION_ID, REGULATION_ID, SQUARE_ID = "FJRStiction-v0", "FJRRegulation-v0", "FJRSquare-v0"
 ROBOT = Robot(asset_path("miro_like"), tuple(f"joint{i}" for i in range(1, 8)), tool="tool")
 STIFFNESS = np.array([6000.0, 6000.0, 5000.0, 5000.0, 3000.0, 3000.0, 3000.0])
 GAINS = ImpedanceGains(1000.0, 200.0, 10.0, 2.0, 15.0, 3.0)

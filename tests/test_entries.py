@@ -13,12 +13,12 @@ from typer.testing import CliRunner
 
 import fo_gym
 from fo_gym.cli import app
-from fo_gym.evaluation import entry
-from fo_gym.evaluation.competitor import BASELINE, REFERENCE, SUBMISSION, YOURS, Competitor
-from fo_gym.evaluation.entry import check_names, competitor_of, handed_over, load_entry, submissions_in
-from fo_gym.evaluation.guard.readable import readable
-from fo_gym.evaluation.protocol import Protocol
-from fo_gym.evaluation.run import run_protocol
+from fo_gym.evaluation.competitors import entry
+from fo_gym.evaluation.competitors.competitor import BASELINE, REFERENCE, SUBMISSION, YOURS, Competitor
+from fo_gym.evaluation.competitors.entry import check_names, competitor_of, handed_over, load_entry, submissions_in
+from fo_gym.evaluation.competitors.guard.readable import readable
+from fo_gym.evaluation.runs.protocol import Protocol
+from fo_gym.evaluation.runs.run import run_protocol
 
 pytestmark = pytest.mark.usefixtures("short_episodes")
 

@@ -14,7 +14,7 @@ from gymnasium.wrappers.vector import DictInfoToList, NormalizeObservation, Reco
 
 import fo_gym
 
-IDS = fo_gym.ENVIRONMENTS
+IDS = tuple(fo_gym.ENVIRONMENTS)
 STICTION_ID, _, SQUARE_ID = IDS
 
 every_env = pytest.mark.parametrize("env_id", IDS)

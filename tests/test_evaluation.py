@@ -15,12 +15,12 @@ import pytest
 from tables import KEYS, PACKAGES, PROVENANCE, SIX, STICTION
 
 from fo_gym import ENVIRONMENTS, FRICTIONLESS, evaluate
-from fo_gym.evaluation.entry import competitor_of
-from fo_gym.evaluation.evaluate import EpisodeSet
-from fo_gym.evaluation.meeting import meet
+from fo_gym.evaluation.competitors.entry import competitor_of
+from fo_gym.evaluation.episode.recording import record
 from fo_gym.evaluation.metrics import METRICS
-from fo_gym.evaluation.recording import record
-from fo_gym.evaluation.seeds import LEADERBOARD_SEEDS, TRAINING_SEEDS, VALIDATION_SEEDS, first
+from fo_gym.evaluation.runs.episodes import EpisodeSet
+from fo_gym.evaluation.runs.meeting import meet
+from fo_gym.evaluation.runs.seeds import LEADERBOARD_SEEDS, TRAINING_SEEDS, VALIDATION_SEEDS, first
 
 # evaluate
 
@@ -34,7 +34,9 @@ def scores() -> dict[str, pd.DataFrame]:
 def test_a_meeting_is_short_everywhere(monkeypatch: pytest.MonkeyPatch) -> None:
     """Whatever an environment does later, the first moments of its episodes can be run."""
     ticks = []
-    monkeypatch.setattr("fo_gym.evaluation.evaluate.record", lambda *run: ticks.append(record(*run).ended.tolist()))
+    monkeypatch.setattr(
+        "fo_gym.evaluation.runs.episodes.record", lambda *run: ticks.append(record(*run).ended.tolist())
+    )
     for env_id in ENVIRONMENTS:
         meet(competitor_of("pid-high"), EpisodeSet(env_id, "hardware", (1, 2), {}))
     assert ticks == [[50]] * len(ENVIRONMENTS)

@@ -14,13 +14,13 @@ from matplotlib.transforms import Bbox
 from tables import REGULATION, SQUARE, STICTION, synthetic
 from test_text import HOSTILE
 
-from fo_gym.evaluation.competitor import SUBMISSION, YOURS
-from fo_gym.evaluation.figures import ranking_figure
-from fo_gym.evaluation.leaderboard import leaderboard
-from fo_gym.evaluation.style import label
-from fo_gym.evaluation.tables import marked
-from fo_gym.evaluation.trace import Trace
-from fo_gym.evaluation.trace_figure import trace_figure
+from fo_gym.evaluation.competitors.competitor import SUBMISSION, YOURS
+from fo_gym.evaluation.episode.trace import Trace
+from fo_gym.evaluation.results.figures import ranking_figure
+from fo_gym.evaluation.results.leaderboard import leaderboard
+from fo_gym.evaluation.results.style import label
+from fo_gym.evaluation.results.tables import marked
+from fo_gym.evaluation.results.trace_figure import trace_figure
 
 LEVELS = [0.999, 0.998, 0.99, 0.9, 0.5, 0.0, -5.0, -20.0, 1.0, 0.99999]
 

@@ -11,13 +11,13 @@ import pytest
 from tables import STICTION
 
 from fo_gym.compensators import make_compensator
-from fo_gym.evaluation.backends import Processes
-from fo_gym.evaluation.competitor import Competitor
-from fo_gym.evaluation.evaluate import EpisodeSet
-from fo_gym.evaluation.guard.limits import Limits
-from fo_gym.evaluation.recording import References
-from fo_gym.evaluation.run import Contest, run_contests
-from fo_gym.evaluation.trial import reference_trials
+from fo_gym.evaluation.competitors.competitor import Competitor
+from fo_gym.evaluation.competitors.guard.limits import Limits
+from fo_gym.evaluation.episode.recording import References
+from fo_gym.evaluation.runs.backends import Processes
+from fo_gym.evaluation.runs.episodes import EpisodeSet
+from fo_gym.evaluation.runs.run import Contest, run_contests
+from fo_gym.evaluation.runs.trial import reference_trials
 
 ATTACKS = Path(__file__).parent / "attacks"
 EPISODES = EpisodeSet(STICTION, "randomized", (7, 8), {"duration": 0.05})

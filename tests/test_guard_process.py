@@ -18,11 +18,11 @@ from tables import SIX
 
 import fo_gym
 from fo_gym import compensators
-from fo_gym.evaluation.competitor import BASELINE, SUBMISSION, Competitor
-from fo_gym.evaluation.guard import process
-from fo_gym.evaluation.guard.faults import EndedError
-from fo_gym.evaluation.guard.limits import Limits
-from fo_gym.evaluation.guard.proxy import Guarded
+from fo_gym.evaluation.competitors.competitor import BASELINE, SUBMISSION, Competitor
+from fo_gym.evaluation.competitors.guard import process
+from fo_gym.evaluation.competitors.guard.limits import Limits
+from fo_gym.evaluation.competitors.guard.proxy import Guarded
+from fo_gym.evaluation.episode.faults import EndedError
 from fo_gym.tuning.space import default_gains, search_space
 
 ROOT = Path(__file__).parents[1]
@@ -218,8 +218,8 @@ def test_it_ends_with_whoever_runs_it_however_that_ends(tmp_path: Path) -> None:
     """Also in the middle of an endless loop, with the parent killed."""
     program = f"""
 from fo_gym import JointInfo, Signals
-from fo_gym.evaluation.guard.limits import Limits
-from fo_gym.evaluation.guard.proxy import Guarded
+from fo_gym.evaluation.competitors.guard.limits import Limits
+from fo_gym.evaluation.competitors.guard.proxy import Guarded
 import numpy as np
 guarded = Guarded({str(ATTACKS / "endless.py") + ":Loop"!r}, {{}}, Limits())
 guarded.reset(JointInfo(1, *3 * [np.ones((1, 1))], 1e-3), 1)

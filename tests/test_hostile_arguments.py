@@ -12,12 +12,12 @@ from hostile import NO_NUMBERS, Attack, check_refused
 from pendulum import FRICTION, JOINTS, MakeRobot
 
 import fo_gym
-from fo_gym.envs.settings import Settings
 from fo_gym.envs.stiction import StictionEnv, StictionVectorEnv
 from fo_gym.hardware import CommandDelay, GearRipple, Hardware, MotorEncoder, SensorModel
 from fo_gym.plant import FlexibleJointPlant
+from fo_gym.simulation.settings import Settings
 
-STICTION, REGULATION, SQUARE = fo_gym.ENVIRONMENTS
+STICTION, REGULATION, SQUARE = "FJRStiction-v0", "FJRRegulation-v0", "FJRSquare-v0"
 TIMES = (*NO_NUMBERS, math.nan, math.inf, -1.0, 0.0, 10**400, [1.0], np.ones(1))
 WORDS = (True, 1, 1.5, b"nominal", ["nominal"], np.array(["nominal", "hardware"]), {"nominal"}, "", "Nominal", object())
 COUNTS = (*NO_NUMBERS, None, 2.0, 2.5, "3", 0, -1, math.nan, [2], np.array(2))

@@ -16,10 +16,10 @@ from typer.testing import CliRunner
 import fo_gym
 from fo_gym import evaluate, make_compensator
 from fo_gym.cli import app
-from fo_gym.evaluation.entry import load_entry
-from fo_gym.evaluation.protocol import Protocol, load_protocol
+from fo_gym.evaluation.competitors.entry import load_entry
+from fo_gym.evaluation.runs.protocol import Protocol, load_protocol
 
-STICTION, REGULATION, _ = fo_gym.ENVIRONMENTS
+STICTION, REGULATION = "FJRStiction-v0", "FJRRegulation-v0"
 ROW = "env,variant,compensator,seed,protocol,competitor_hash\n"
 FILES: dict[str, str | bytes] = {
     "file": "",

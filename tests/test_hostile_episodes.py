@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 from hostile import NO_ARRAYS, NO_NUMBERS, Attack, check_refused
 
-import fo_gym
 from fo_gym.generators import MAX_SEED
 from fo_gym.sb3 import make_vec_env
 
-STICTION, REGULATION, SQUARE = fo_gym.ENVIRONMENTS
+STICTION, REGULATION, SQUARE = "FJRStiction-v0", "FJRRegulation-v0", "FJRSquare-v0"
 NO_SEEDS = (*NO_NUMBERS, 1.0, 1.5, math.nan, -1, np.int64(-1), np.float64(2.0), "0", MAX_SEED + 1, 10**5000)
 NO_OPTIONS: tuple[Any, ...] = (5, True, "target", [], ["target"], {"target"}, np.zeros(7))
 

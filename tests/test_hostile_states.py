@@ -14,10 +14,10 @@ from hostile import Attack, check_refused
 from pendulum import MakeRobot, drive, plant_of
 
 import fo_gym
-from fo_gym.envs.state import SimulationState
 from fo_gym.plant import PlantState
+from fo_gym.simulation.state import SimulationState
 
-STICTION, REGULATION, SQUARE = fo_gym.ENVIRONMENTS
+STICTION, REGULATION, SQUARE = "FJRStiction-v0", "FJRRegulation-v0", "FJRSquare-v0"
 NO_STATES: tuple[Any, ...] = (None, 1, "state", (), (None,), [1, 2], [1, 2, 3], {"q": 1})
 
 
@@ -65,9 +65,9 @@ def array_fields(state: SimulationState) -> dict[tuple[str, ...], Any]:
     """All arrays of a state, by their path."""
     found = {(each.name,): getattr(state, each.name) for each in fields(state)}
     found |= {("plant", each.name): getattr(state.plant, each.name) for each in fields(state.plant)}
-    if state.robots is not None:
-        found[("robots", "commands")] = state.robots.commands
-        found |= {("robots", "sensing", name): value for name, value in state.robots.sensing.items()}
+    if state.hardware is not None:
+        found[("hardware", "commands")] = state.hardware.commands
+        found |= {("hardware", "sensing", name): value for name, value in state.hardware.sensing.items()}
     return {path: value for path, value in found.items() if isinstance(value, np.ndarray)}
 
 
@@ -91,8 +91,8 @@ def test_every_field(env_id: str, num_envs: int | None) -> None:
         return replace(state, **{name: value}), *rest
 
     cases += [
-        (told, value, lambda value, name=name: env.set_state(with_part(name, value)))
-        for name, told in (("plant", "state"), ("robots", "robots"), ("origin", "origin"), ("scenarios", "scenarios"))
+        ("state" if name == "plant" else name, value, lambda value, name=name: env.set_state(with_part(name, value)))
+        for name in ("plant", "hardware", "origin", "scenarios")
         for value in (None, 1, "x", ())
     ]
     cases += [("state", value, env.set_state) for value in NO_STATES]

@@ -9,10 +9,10 @@ import pandas as pd
 import pytest
 from tables import KEYS, REGULATION, SQUARE, STICTION, synthetic
 
-from fo_gym.evaluation.leaderboard import STANDING, is_baseline, leaderboard, overall, standings
 from fo_gym.evaluation.metrics import METRICS
-from fo_gym.evaluation.provenance import provenance
-from fo_gym.evaluation.tables import finding, rankings
+from fo_gym.evaluation.results.leaderboard import STANDING, is_baseline, leaderboard, overall, standings
+from fo_gym.evaluation.results.tables import finding, rankings
+from fo_gym.evaluation.runs.provenance import provenance
 
 BASE = np.linspace(0.1, 0.9, 20)
 TURNS = np.where(np.arange(20) % 2, -1.0, 1.0)

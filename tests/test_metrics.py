@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from fo_gym.evaluation import metrics
+from fo_gym.evaluation.episode.record import Episode, Motion, Push
 from fo_gym.evaluation.metrics import METRICS, registry, score
-from fo_gym.evaluation.record import Episode, Motion, Push
 
 DT = 1e-3
 TIME = np.arange(20_001) * DT

@@ -17,7 +17,7 @@ from baselines.kimchung2015 import kimchung
 from baselines.l1_observer import l1
 from baselines.letien2008 import letien_high
 from baselines.lugre1995 import IDENTIFIED, lugre_nominal, lugre_off
-from fo_gym.evaluation.evaluate import EpisodeSet
+from fo_gym.evaluation.runs.episodes import EpisodeSet
 
 
 def theta_at_the_end(make, seconds=20.0):

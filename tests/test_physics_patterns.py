@@ -14,7 +14,7 @@ from fo_gym.parameters import FRICTIONLESS
 from fo_gym.reproduction.runs import PAPER
 from fo_gym.reproduction.team import run_team
 
-STICTION_ID, REGULATION_ID, SQUARE_ID = fo_gym.ENVIRONMENTS
+STICTION_ID, REGULATION_ID, SQUARE_ID = "FJRStiction-v0", "FJRRegulation-v0", "FJRSquare-v0"
 
 
 def runs_of(env_id, *names):

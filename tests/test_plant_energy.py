@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from energy_search import CASES, Account, search
 
-from fo_gym.envs.settings import Settings
-from fo_gym.envs.simulation import Simulation
 from fo_gym.envs.stiction import STICTION
 from fo_gym.plant.kernel import PARAMETERS
+from fo_gym.simulation.settings import Settings
+from fo_gym.simulation.simulation import Simulation
 
 RISE = 1e-4
 """Of the energy turned over. A search of 1e9 joint micro-steps (energy_search.py) found 1e-6 at most."""

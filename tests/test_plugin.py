@@ -27,7 +27,7 @@ compensators = ["pd-high", "tabulated"]
 """
 CONTENT = """
 import json
-from fo_gym.evaluation.competitor import Competitor
+from fo_gym.evaluation.competitors.competitor import Competitor
 found = Competitor("tabulated", "tabulated")
 print(json.dumps([found.hash_on("", ""), sorted(found.content.files), found.content.versions]))
 """

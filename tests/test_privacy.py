@@ -11,7 +11,7 @@ import pytest
 from answering import DOF, STICTION, Answering, arrays, assert_same, episodes, silent
 
 from fo_gym import Signals
-from fo_gym.sensors import SIGNALS
+from fo_gym.signals import SIGNALS
 
 PRIVATE = ("q", "q_dot", "z", "tau_f")
 

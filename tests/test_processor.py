@@ -10,16 +10,16 @@ from pathlib import Path
 
 import pytest
 
-from fo_gym.evaluation import processor as module
-from fo_gym.evaluation.guard import process
-from fo_gym.evaluation.instructions import VARIABLES
-from fo_gym.evaluation.processor import processor, processor_features
-from fo_gym.evaluation.provenance import is_provenance, provenance
+from fo_gym.evaluation.competitors.guard import process
+from fo_gym.evaluation.runs import processor as module
+from fo_gym.evaluation.runs.processor import processor, processor_features
+from fo_gym.evaluation.runs.provenance import is_provenance, provenance
+from fo_gym.instructions import VARIABLES
 
 ELSEWHERE = Path(__file__).parents[1] / "docs" / "processors" / "elsewhere.py"
 TELL = """
 import json
-from fo_gym.evaluation.processor import processor, processor_features
+from fo_gym.evaluation.runs.processor import processor, processor_features
 print(json.dumps([processor(), dict(processor_features())]))
 """
 

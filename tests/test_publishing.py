@@ -14,10 +14,10 @@ from typer.testing import CliRunner
 
 import fo_gym
 from fo_gym.cli import app
-from fo_gym.evaluation import seeds
-from fo_gym.evaluation.entry import load_entry
-from fo_gym.evaluation.leaderboard import STANDING
-from fo_gym.evaluation.protocol import shipped_protocols
+from fo_gym.evaluation.competitors.entry import load_entry
+from fo_gym.evaluation.results.leaderboard import STANDING
+from fo_gym.evaluation.runs import seeds
+from fo_gym.evaluation.runs.protocol import shipped_protocols
 from fo_gym.reproduction import run
 from fo_gym.reproduction.claims import CLAIMS
 from fo_gym.tasks.variants import VARIANTS
@@ -27,11 +27,11 @@ WORKFLOWS = sorted((ROOT / ".github" / "workflows").glob("*.yml"))
 PAGE = (ROOT / "docs" / "protocol.md").read_text(encoding="utf-8")
 TARGETS = set(re.findall(r"^([\w$()./-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
 TARGETS |= {target.replace("$(VENV)", ".venv") for target in TARGETS}
-PROTOCOL = f"""
+PROTOCOL = """
 name = "one"
 split = "validation"
 seeds = 1
-environments = ["{fo_gym.ENVIRONMENTS[-1]}"]
+environments = ["FJRSquare-v0"]
 variants = ["nominal"]
 compensators = ["pd-low"]
 """
@@ -178,4 +178,4 @@ def test_the_entry_of_the_page_is_one(tmp_path: Path) -> None:
     shutil.copy(ROOT / "examples" / "bang_bang.py", tmp_path)
     competitor = load_entry(tmp_path / "mine.toml")
     assert (competitor.name, competitor.authors) == ("mine", ("A. Author",))
-    assert competitor.make(fo_gym.ENVIRONMENTS[0], "nominal").feedback == "measured"
+    assert competitor.make("FJRStiction-v0", "nominal").feedback == "measured"

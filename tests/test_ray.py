@@ -12,10 +12,10 @@ from tables import SQUARE
 from typer.testing import CliRunner
 
 from fo_gym.cli import app
-from fo_gym.evaluation import backends
-from fo_gym.evaluation.leaderboard import leaderboard
-from fo_gym.evaluation.protocol import load_protocol
-from fo_gym.evaluation.run import run_protocol
+from fo_gym.evaluation.results.leaderboard import leaderboard
+from fo_gym.evaluation.runs import backends
+from fo_gym.evaluation.runs.protocol import load_protocol
+from fo_gym.evaluation.runs.run import run_protocol
 from fo_gym.extras import install_command
 from fo_gym.files import csv
 
@@ -38,7 +38,7 @@ class Calm(LeTienObserver):
 DEATHS = """
 import sys
 from dying import ANSWERS, answer, tasks
-from fo_gym.evaluation.backends import backend_of
+from fo_gym.evaluation.runs.backends import backend_of
 with backend_of("ray", 2) as workers:
     assert dict(workers.run(answer, tasks(sys.argv[1]))) == ANSWERS
 """

@@ -13,9 +13,9 @@ from answering import DOF, REGULATION, SQUARE, STICTION, Answering, arrays, asse
 
 from fo_gym import FlexibleJoint, JointInfo, Signals, evaluate
 from fo_gym.compensators import Ideal, NoCompensation
-from fo_gym.evaluation.evaluate import rows
+from fo_gym.evaluation.episode.recording import References
 from fo_gym.evaluation.metrics import METRICS
-from fo_gym.evaluation.recording import References
+from fo_gym.evaluation.runs.episodes import rows
 
 STRONG = FlexibleJoint(stiffness=3000.0, damping=0.0, motor_inertia=1.0, torque_limit=1e308)
 

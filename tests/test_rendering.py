@@ -18,10 +18,10 @@ from gymnasium.wrappers import RenderCollection
 
 import fo_gym  # noqa: F401
 from fo_gym.envs.rendering import SceneRenderer
-from fo_gym.envs.settings import Settings
-from fo_gym.envs.simulation import Simulation
 from fo_gym.envs.stiction import STICTION
 from fo_gym.plant import Robot
+from fo_gym.simulation.settings import Settings
+from fo_gym.simulation.simulation import Simulation
 
 IDS = ("FJRStiction-v0", "FJRRegulation-v0", "FJRSquare-v0")
 STICTION_ID, REGULATION_ID, SQUARE_ID = IDS

@@ -14,10 +14,10 @@ from tables import SQUARE, STICTION
 from typer.testing import CliRunner
 
 from fo_gym.cli import app
-from fo_gym.evaluation import store
-from fo_gym.evaluation.leaderboard import leaderboard
-from fo_gym.evaluation.protocol import load_protocol
-from fo_gym.evaluation.run import run_protocol
+from fo_gym.evaluation.results.leaderboard import leaderboard
+from fo_gym.evaluation.runs import store
+from fo_gym.evaluation.runs.protocol import load_protocol
+from fo_gym.evaluation.runs.run import run_protocol
 from fo_gym.files import atomic, csv
 
 pytestmark = pytest.mark.usefixtures("short_episodes")

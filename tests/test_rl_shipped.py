@@ -15,7 +15,7 @@ from baselines.rl.compensator import SHIPPED
 from baselines.rl.course import COURSES
 from fo_gym import Signals
 from fo_gym.envs.stiction import STICTION
-from fo_gym.evaluation.evaluate import EpisodeSet
+from fo_gym.evaluation.runs.episodes import EpisodeSet
 from fo_gym.reproduction.reference import SingleLink, sampled
 
 

@@ -23,7 +23,7 @@ from baselines.rl.plan import ALGOS, Plan
 from baselines.rl.storage import load_policy
 from baselines.rl.training import train
 from fo_gym.cli import app
-from fo_gym.evaluation.seeds import TRAINING_SEEDS
+from fo_gym.evaluation.runs.seeds import TRAINING_SEEDS
 from fo_gym.extras import install_command
 from fo_gym.sb3 import VecEnvAdapter
 

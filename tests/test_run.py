@@ -11,12 +11,12 @@ import pandas as pd
 import pytest
 
 import fo_gym
-from fo_gym.evaluation.leaderboard import leaderboard, standings
 from fo_gym.evaluation.metrics import METRICS
-from fo_gym.evaluation.protocol import Protocol
-from fo_gym.evaluation.report import write_results
-from fo_gym.evaluation.run import Results, run_protocol
-from fo_gym.evaluation.seeds import LEADERBOARD_SEEDS
+from fo_gym.evaluation.results.leaderboard import leaderboard, standings
+from fo_gym.evaluation.results.report import write_results
+from fo_gym.evaluation.runs.protocol import Protocol
+from fo_gym.evaluation.runs.run import Results, run_protocol
+from fo_gym.evaluation.runs.seeds import LEADERBOARD_SEEDS
 
 pytestmark = pytest.mark.usefixtures("short_episodes")
 SQUARE = "FJRSquare-v0"

@@ -10,11 +10,11 @@ import pytest
 from dying import ANSWERS, answer, tasks
 from tables import SQUARE
 
-from fo_gym.evaluation.backends import Processes
-from fo_gym.evaluation.leaderboard import leaderboard
-from fo_gym.evaluation.protocol import Protocol
-from fo_gym.evaluation.run import ENDED, run_protocol
-from fo_gym.evaluation.trial import trials_together
+from fo_gym.evaluation.results.leaderboard import leaderboard
+from fo_gym.evaluation.runs.backends import Processes
+from fo_gym.evaluation.runs.protocol import Protocol
+from fo_gym.evaluation.runs.run import ENDED, run_protocol
+from fo_gym.evaluation.runs.trial import trials_together
 from fo_gym.files import csv
 
 pytestmark = pytest.mark.slow

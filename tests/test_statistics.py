@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import trim_mean
 
-from fo_gym.evaluation.statistics import (
+from fo_gym.evaluation.results.statistics import (
     bootstrap_interval,
     interquartile_mean,
     paired_difference,

@@ -16,14 +16,14 @@ import fo_gym
 from fo_gym.cli import app
 from fo_gym.cli.gains import gain_sets
 from fo_gym.console import Stop
-from fo_gym.evaluation.backends import Processes, Task
-from fo_gym.evaluation.evaluate import EpisodeSet
+from fo_gym.evaluation.competitors.team import Team
 from fo_gym.evaluation.metrics import METRICS
-from fo_gym.evaluation.run import ENDED, Contest, run_contests
-from fo_gym.evaluation.sweep import Grid, Plan, summary_of
-from fo_gym.evaluation.sweep_figure import sweep_figure
-from fo_gym.evaluation.team import Team
-from fo_gym.evaluation.trial import trials_together
+from fo_gym.evaluation.results.sweep import Grid, Plan, summary_of
+from fo_gym.evaluation.results.sweep_figure import sweep_figure
+from fo_gym.evaluation.runs.backends import Processes, Task
+from fo_gym.evaluation.runs.episodes import EpisodeSet
+from fo_gym.evaluation.runs.run import ENDED, Contest, run_contests
+from fo_gym.evaluation.runs.trial import trials_together
 
 STICTION = "FJRStiction-v0"
 SHORT = {"variant": "randomized", "seeds": 2, "duration": 0.2}

@@ -16,13 +16,13 @@ from rich.console import Console
 from tables import SQUARE, synthetic
 
 from fo_gym.console import Stop, errors, progress_bar, say, text_table
-from fo_gym.evaluation.competitor import SUBMISSION, YOURS, Competitor
-from fo_gym.evaluation.entry import check_names
-from fo_gym.evaluation.leaderboard import leaderboard
-from fo_gym.evaluation.protocol import Protocol
-from fo_gym.evaluation.report import markdown_page
-from fo_gym.evaluation.run import Results
-from fo_gym.evaluation.tables import explained, finding, markdown, marked, rankings, summary
+from fo_gym.evaluation.competitors.competitor import SUBMISSION, YOURS, Competitor
+from fo_gym.evaluation.competitors.entry import check_names
+from fo_gym.evaluation.results.leaderboard import leaderboard
+from fo_gym.evaluation.results.report import markdown_page
+from fo_gym.evaluation.results.tables import explained, finding, markdown, marked, rankings, summary
+from fo_gym.evaluation.runs.protocol import Protocol
+from fo_gym.evaluation.runs.run import Results
 from fo_gym.files import csv, read_csv
 from fo_gym.text import (
     CELL_LIMIT,

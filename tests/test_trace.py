@@ -12,12 +12,12 @@ import pandas as pd
 import pytest
 from tables import SQUARE, STICTION, synthetic
 
-from fo_gym.evaluation.competitor import Competitor
-from fo_gym.evaluation.evaluate import EpisodeSet
-from fo_gym.evaluation.recording import References
-from fo_gym.evaluation.store import Store
-from fo_gym.evaluation.trace import BUCKETS, Trace, kept_ticks, write_traces
-from fo_gym.evaluation.trial import Trial, competitor_trial, reference_trials
+from fo_gym.evaluation.competitors.competitor import Competitor
+from fo_gym.evaluation.episode.recording import References
+from fo_gym.evaluation.episode.trace import BUCKETS, Trace, kept_ticks, write_traces
+from fo_gym.evaluation.runs.episodes import EpisodeSet
+from fo_gym.evaluation.runs.store import Store
+from fo_gym.evaluation.runs.trial import Trial, competitor_trial, reference_trials
 from fo_gym.files import read_csv
 
 PD = Competitor("pd", "pd-high")

@@ -14,9 +14,9 @@ from typer.testing import CliRunner
 
 from fo_gym import make_compensator
 from fo_gym.cli import app
-from fo_gym.evaluation.entry import load_entry
-from fo_gym.evaluation.evaluate import EpisodeSet
-from fo_gym.evaluation.seeds import LEADERBOARD_SEEDS, TRAINING_SEEDS, TUNING_SEEDS, VALIDATION_SEEDS
+from fo_gym.evaluation.competitors.entry import load_entry
+from fo_gym.evaluation.runs.episodes import EpisodeSet
+from fo_gym.evaluation.runs.seeds import LEADERBOARD_SEEDS, TRAINING_SEEDS, TUNING_SEEDS, VALIDATION_SEEDS
 from fo_gym.tuning import study as study_module
 from fo_gym.tuning.run import tune
 from fo_gym.tuning.space import default_gains, search_space

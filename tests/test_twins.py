@@ -15,16 +15,16 @@ from typer.testing import CliRunner
 
 from fo_gym.cli import app
 from fo_gym.compensators import Ideal, NoCompensation
-from fo_gym.evaluation import verify
-from fo_gym.evaluation.comparison import CHAOTIC, MISMATCH, OTHER, SAME, WITHIN, Comparison, Difference, compared
-from fo_gym.evaluation.competitor import Competitor
-from fo_gym.evaluation.evaluate import EpisodeSet
+from fo_gym.evaluation.competitors.competitor import Competitor
 from fo_gym.evaluation.metrics import METRICS
-from fo_gym.evaluation.processor import processor, processor_features
-from fo_gym.evaluation.published import published
-from fo_gym.evaluation.store import key_of
-from fo_gym.evaluation.trial import NONE
-from fo_gym.evaluation.twins import SHIFT, TwinSet, spread
+from fo_gym.evaluation.results.published import published
+from fo_gym.evaluation.runs import verify
+from fo_gym.evaluation.runs.comparison import CHAOTIC, MISMATCH, OTHER, SAME, WITHIN, Comparison, Difference, compared
+from fo_gym.evaluation.runs.episodes import EpisodeSet
+from fo_gym.evaluation.runs.processor import processor, processor_features
+from fo_gym.evaluation.runs.store import key_of
+from fo_gym.evaluation.runs.trial import NONE
+from fo_gym.evaluation.runs.twins import SHIFT, TwinSet, spread
 
 Verified = Callable[..., tuple[int, list[str]]]
 

@@ -14,9 +14,9 @@ from tables import SQUARE
 from typer.testing import CliRunner
 
 from fo_gym.cli import app
-from fo_gym.evaluation.leaderboard import KEY
-from fo_gym.evaluation.processor import processor
-from fo_gym.evaluation.published import published, sampled
+from fo_gym.evaluation.results.published import published, sampled
+from fo_gym.evaluation.runs.episodes import KEY
+from fo_gym.evaluation.runs.processor import processor
 
 PROTOCOL = f"""
 name = "small"

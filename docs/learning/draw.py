@@ -13,7 +13,7 @@ from baselines.rl.compensator import SHIPPED
 from baselines.rl.course import COURSES
 from baselines.rl.report import curve_figure
 from fo_gym.compensators import Ideal
-from fo_gym.evaluation.evaluate import EpisodeSet
+from fo_gym.evaluation.runs.episodes import EpisodeSet
 from fo_gym.files import draft_of
 
 HERE = Path(__file__).parent

@@ -17,14 +17,14 @@ import numpy as np
 import pandas as pd
 from elsewhere import environment, instruction_sets
 
-from fo_gym.evaluation.backends import Processes
-from fo_gym.evaluation.comparison import CHAOTIC, MISMATCH, Comparison, compared
 from fo_gym.evaluation.metrics import METRICS
-from fo_gym.evaluation.protocol import load_protocol
-from fo_gym.evaluation.published import contests_of, published
-from fo_gym.evaluation.run import run_protocol
-from fo_gym.evaluation.store import Store
-from fo_gym.evaluation.verify import key_of_row, rows_of, twin_contests, with_twins
+from fo_gym.evaluation.results.published import contests_of, published
+from fo_gym.evaluation.runs.backends import Processes
+from fo_gym.evaluation.runs.comparison import CHAOTIC, MISMATCH, Comparison, compared
+from fo_gym.evaluation.runs.protocol import load_protocol
+from fo_gym.evaluation.runs.run import run_protocol
+from fo_gym.evaluation.runs.store import Store
+from fo_gym.evaluation.runs.verify import key_of_row, rows_of, twin_contests, with_twins
 from fo_gym.files import atomic, csv
 
 HERE = Path(__file__).parent

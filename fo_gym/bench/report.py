@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from fo_gym.bench.run import HOLDS, MISSES, THROUGHPUT
-from fo_gym.evaluation.tables import Ranking, markdown
+from fo_gym.evaluation.results.tables import Ranking, markdown
 from fo_gym.files import atomic, csv
 
 EXPLANATION = (

@@ -22,7 +22,7 @@ from fo_gym.bench.subjects import (
     some_beside_mujoco,
 )
 from fo_gym.checks import shown
-from fo_gym.evaluation.provenance import versions
+from fo_gym.evaluation.runs.provenance import versions
 from fo_gym.extras import install_command
 
 BATCH, SINGLE, THROUGHPUT = "batch", "single", "throughput"
@@ -32,7 +32,7 @@ TWIN, FORWARD = "MuJoCo twin", "MuJoCo forward"
 SYNC, ASYNC, SUBPROC = "Gymnasium sync", "Gymnasium async", "SB3 SubprocVecEnv"
 """Peers."""
 
-_STICTION, _REGULATION, _ = ENVIRONMENTS
+_STICTION, _REGULATION = "FJRStiction-v0", "FJRRegulation-v0"
 
 BARS = {
     (_STICTION, BATCH, TWIN, 256): 0.25,

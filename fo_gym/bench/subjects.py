@@ -15,9 +15,9 @@ from mujoco.batch import Batch
 from numpy.typing import NDArray
 
 from fo_gym.bench.measure import Subject
-from fo_gym.envs.simulation import Simulation
 from fo_gym.envs.single import JointEnv
 from fo_gym.envs.vector import JointVectorEnv
+from fo_gym.simulation.simulation import Simulation
 
 Array = NDArray[np.float64]
 Reset = Callable[[], Any]

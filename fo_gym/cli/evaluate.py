@@ -15,10 +15,10 @@ from fo_gym.cli.work import STORE, Fresh, Jobs, StoreFolder, Traced, fail_if_fai
 from fo_gym.console import Stop, check_folder, check_jobs, tell_written
 
 if TYPE_CHECKING:
-    from fo_gym.evaluation.competitor import Competitor
-    from fo_gym.evaluation.protocol import Protocol
-    from fo_gym.evaluation.run import Results
-    from fo_gym.evaluation.store import Store
+    from fo_gym.evaluation.competitors.competitor import Competitor
+    from fo_gym.evaluation.runs.protocol import Protocol
+    from fo_gym.evaluation.runs.run import Results
+    from fo_gym.evaluation.runs.store import Store
 
 BESIDE = "pid-low,pid-high,pd-low,pd-high,letien-low,letien-high"
 """Whom `fo-gym evaluate` runs beside what it is given: the observers of arXiv:1907.00553."""
@@ -73,8 +73,8 @@ def run_evaluate(
         fo-gym evaluate leaderboard/submissions/theirs.toml
     """
     from fo_gym.compensators import BUILT_IN
-    from fo_gym.evaluation.entry import check_names, competitor_of, handed_over
-    from fo_gym.evaluation.protocol import Protocol
+    from fo_gym.evaluation.competitors.entry import check_names, competitor_of, handed_over
+    from fo_gym.evaluation.runs.protocol import Protocol
 
     check_jobs(jobs)
     if traces and out is None:
@@ -107,7 +107,7 @@ def run_evaluate(
     results = _run(everybody, protocol, store_in(store, fresh=fresh), jobs, traced=traces)
     print_rankings(results)
     if out is not None:
-        from fo_gym.evaluation.report import write_results
+        from fo_gym.evaluation.results.report import write_results
 
         tell_written(write_results(protocol, results, out, traced=traces))
     fail_if_failed(results, (competitor.name for competitor in given))
@@ -116,9 +116,9 @@ def run_evaluate(
 def _run(everybody: Sequence[Competitor], protocol: Protocol, store: Store, jobs: int, *, traced: bool) -> Results:
     """Everybody on the episodes of the protocol; who is not in the store yet meets the first moments before."""
     from fo_gym.compensators import BUILT_IN
-    from fo_gym.evaluation.evaluate import EpisodeSet
-    from fo_gym.evaluation.meeting import meet
-    from fo_gym.evaluation.run import Contest
+    from fo_gym.evaluation.runs.episodes import EpisodeSet
+    from fo_gym.evaluation.runs.meeting import meet
+    from fo_gym.evaluation.runs.run import Contest
 
     (env,), (variant,) = protocol.environments, protocol.variants
     episodes = EpisodeSet(env, variant, protocol.seeds_of(variant), {}, traced)
@@ -134,7 +134,7 @@ def _run(everybody: Sequence[Competitor], protocol: Protocol, store: Store, jobs
 def _telling() -> Iterator[None]:
     """Stop at what a competitor raises, with the lines of the user's code that took part."""
     from fo_gym.compensators import CompensatorError
-    from fo_gym.evaluation.guard.faults import trace_of
+    from fo_gym.evaluation.episode.faults import trace_of
 
     try:
         yield

@@ -65,7 +65,7 @@ def _number(name: str, text: str) -> float:
 def _values(name: str, text: str) -> list[float]:
     from numpy import geomspace, linspace
 
-    from fo_gym.evaluation.competitor import MAX_SETS
+    from fo_gym.evaluation.competitors.competitor import MAX_SETS
 
     found = _RANGE.fullmatch(text)
     if found is None:

@@ -58,7 +58,7 @@ def run_leaderboard(
         fo-gym leaderboard --backend ray --address 10.0.0.1:6379
     """
     from fo_gym.compensators import check_spec
-    from fo_gym.evaluation.protocol import load_protocol
+    from fo_gym.evaluation.runs.protocol import load_protocol
 
     if quick and protocol is not None:
         raise Stop("--quick and --protocol exclude each other; give one of them")
@@ -69,8 +69,8 @@ def run_leaderboard(
     try:
         chosen = load_protocol(("quick" if quick else "full") if protocol is None else protocol)
         theirs = submissions_of(submissions)
-        from fo_gym.evaluation.report import write_results
-        from fo_gym.evaluation.run import competitors_of, contests_in
+        from fo_gym.evaluation.results.report import write_results
+        from fo_gym.evaluation.runs.run import competitors_of, contests_in
 
         for competitor in competitors_of(chosen):  # submissions are not the user's to mend
             check_spec(competitor.spec)

@@ -13,9 +13,9 @@ def run_list() -> None:
     Example: fo-gym list
     """
     from fo_gym import ENVIRONMENTS, list_compensators
-    from fo_gym.evaluation.entry import shipped_entries
+    from fo_gym.evaluation.competitors.entry import shipped_entries
     from fo_gym.evaluation.metrics import METRICS
-    from fo_gym.evaluation.protocol import shipped_protocols
+    from fo_gym.evaluation.runs.protocol import shipped_protocols
     from fo_gym.tasks.variants import VARIANTS
 
     names = {"environment": ENVIRONMENTS, "variant": VARIANTS, "compensator": list_compensators()}

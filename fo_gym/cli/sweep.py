@@ -54,7 +54,7 @@ def run_sweep(
         fo-gym sweep mine.py:Mine --gains level=0.6,0.8,1.0 --variant randomized --seeds 5 --out build/sweep
     """
     from fo_gym.compensators import CompensatorError
-    from fo_gym.evaluation.protocol import Protocol
+    from fo_gym.evaluation.runs.protocol import Protocol
 
     check_jobs(jobs)
     if out is not None:
@@ -64,8 +64,8 @@ def run_sweep(
     envs, variants = tuple(env or ["FJRStiction-v0"]), tuple(variant or ["nominal"])
     try:
         protocol = Protocol("sweep", "validation", seeds, envs, variants, (compensator,))
-        from fo_gym.evaluation.evaluate import EpisodeSet
-        from fo_gym.evaluation.sweep import Grid, Plan
+        from fo_gym.evaluation.results.sweep import Grid, Plan
+        from fo_gym.evaluation.runs.episodes import EpisodeSet
 
         sets = [EpisodeSet(each, how, protocol.seeds_of(how), {}) for each in envs for how in variants]
         plan = Plan(Grid(compensator, values), sets, jobs)
@@ -79,8 +79,8 @@ def run_sweep(
 
 def _print(table: pd.DataFrame, gains: Sequence[str]) -> None:
     """The best sets of every environment and variant, and how many failed."""
-    from fo_gym.evaluation.evaluate import FAILED
-    from fo_gym.evaluation.sweep import summary_of
+    from fo_gym.evaluation.results.sweep import summary_of
+    from fo_gym.evaluation.runs.episodes import FAILED
 
     for key, rows in summary_of(table, gains).groupby(["env", "variant"], sort=False):
         best = rows.sort_values("frr", ascending=False, kind="stable", na_position="last").head(_SHOWN)
@@ -102,7 +102,7 @@ def _print(table: pd.DataFrame, gains: Sequence[str]) -> None:
 
 
 def _write(table: pd.DataFrame, gains: Sequence[str], out: Path) -> list[Path]:
-    from fo_gym.evaluation.sweep_figure import sweep_figure
+    from fo_gym.evaluation.results.sweep_figure import sweep_figure
     from fo_gym.files import atomic, csv, draft_of
 
     written = [out / "sweep.csv"]

@@ -13,8 +13,8 @@ from fo_gym.cli.work import Address, Jobs, Submissions, Workers, check_workers, 
 from fo_gym.console import Stop, say
 
 if TYPE_CHECKING:
-    from fo_gym.evaluation.comparison import Comparison
-    from fo_gym.evaluation.run import Contest
+    from fo_gym.evaluation.runs.comparison import Comparison
+    from fo_gym.evaluation.runs.run import Contest
 
 __all__ = ["run_verify"]
 
@@ -44,8 +44,8 @@ def run_verify(
 
         fo-gym verify build/mine --sample 20 --seed 7
     """
-    from fo_gym.evaluation.published import contests_of, features_of, published, sampled
-    from fo_gym.evaluation.verify import twin_contests, verify, with_twins
+    from fo_gym.evaluation.results.published import contests_of, features_of, published, sampled
+    from fo_gym.evaluation.runs.verify import twin_contests, verify, with_twins
 
     check_workers(jobs, backend, address)
     try:
@@ -72,7 +72,7 @@ def _runs(contests: Iterable[Contest]) -> int:
 
 def _tell_processor(name: str, published: Mapping[str, str] | None) -> None:
     """On what the rows were computed, what is another here, and how they are compared for that."""
-    from fo_gym.evaluation.processor import processor, processor_features
+    from fo_gym.evaluation.runs.processor import processor, processor_features
 
     if name == processor():
         say(f"published on {name}, as here: compared to the byte")
@@ -92,7 +92,7 @@ def _only(one: str, other: str) -> str:
 
 def _tell(found: list[Comparison]) -> None:
     """What came out, row by row where it differs too much; stops with exit code 2 at a mismatch."""
-    from fo_gym.evaluation.comparison import MISMATCH, SAME, VERDICTS, WITHIN
+    from fo_gym.evaluation.runs.comparison import MISMATCH, SAME, VERDICTS, WITHIN
 
     counts = Counter(comparison.verdict for comparison in found)
     for comparison in found:

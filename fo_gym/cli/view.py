@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from fo_gym.console import console, say, text_table
 
 if TYPE_CHECKING:
-    from fo_gym.evaluation.run import Results
-    from fo_gym.evaluation.tables import Ranking
+    from fo_gym.evaluation.results.tables import Ranking
+    from fo_gym.evaluation.runs.run import Results
 
 _KEPT = ("rank", "compensator", "FRR", "95 % interval", "verdict")
 """Columns of a ranking that are there at any width; of the others, the last ones go first."""
@@ -21,8 +21,8 @@ __all__ = ["print_rankings", "print_tables"]
 
 def print_rankings(results: Results) -> None:
     """The rankings of a run."""
-    from fo_gym.evaluation.leaderboard import leaderboard
-    from fo_gym.evaluation.tables import explained, rankings, summary
+    from fo_gym.evaluation.results.leaderboard import leaderboard
+    from fo_gym.evaluation.results.tables import explained, rankings, summary
 
     tables = list(rankings(results.episodes))
     if len(tables) > 1:

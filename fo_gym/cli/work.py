@@ -12,10 +12,10 @@ import typer
 from fo_gym.console import Stop, check_jobs, errors, progress_bar, say
 
 if TYPE_CHECKING:
-    from fo_gym.evaluation.backends import Backend, Name
-    from fo_gym.evaluation.competitor import Competitor
-    from fo_gym.evaluation.run import Contest, Results
-    from fo_gym.evaluation.store import Store
+    from fo_gym.evaluation.competitors.competitor import Competitor
+    from fo_gym.evaluation.runs.backends import Backend, Name
+    from fo_gym.evaluation.runs.run import Contest, Results
+    from fo_gym.evaluation.runs.store import Store
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells have it."""
@@ -90,7 +90,7 @@ def working(
         runs: how often the bar will be told.
         kept: what to say of the runs that are finished when it ends early.
     """
-    from fo_gym.evaluation.backends import BackendError, backend_of
+    from fo_gym.evaluation.runs.backends import BackendError, backend_of
 
     try:
         with backend_of(backend, jobs, address) as workers, progress_bar(runs) as advance:
@@ -104,7 +104,7 @@ def working(
 
 def store_in(folder: Path, *, fresh: bool) -> Store:
     """The store of the options --store and --fresh."""
-    from fo_gym.evaluation.store import Store
+    from fo_gym.evaluation.runs.store import Store
 
     return Store(folder, fresh=fresh, notice=note)
 
@@ -119,7 +119,7 @@ def run_behind_bar(
     address: str | None = None,
 ) -> Results:
     """Run contests behind a progress bar, with a store: what was taken from there is told."""
-    from fo_gym.evaluation.run import run_contests
+    from fo_gym.evaluation.runs.run import run_contests
 
     runs = sum(contest.runs for contest in contests)
     kept = f"; finished runs are kept in {store.folder}, the same command goes on with them"
@@ -131,7 +131,7 @@ def run_behind_bar(
 
 def fail_if_failed(results: Results, compensators: Iterable[str]) -> None:
     """A compensator that the user asked for and that failed makes the command fail, after its row was shown."""
-    from fo_gym.evaluation.evaluate import FAILED
+    from fo_gym.evaluation.runs.episodes import FAILED
 
     episodes = results.episodes
     failed = episodes[(episodes["status"] == FAILED) & episodes["compensator"].isin(list(compensators))]
@@ -141,7 +141,7 @@ def fail_if_failed(results: Results, compensators: Iterable[str]) -> None:
 
 def submissions_of(folder: Path | None) -> tuple[Competitor, ...]:
     """The submissions in a folder; by default in `SUBMISSIONS`, where there is one."""
-    from fo_gym.evaluation.entry import submissions_in
+    from fo_gym.evaluation.competitors.entry import submissions_in
 
     if folder is None and not SUBMISSIONS.is_dir():
         return ()

@@ -15,8 +15,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.envs.simulation import Simulation
 from fo_gym.envs.window import Window
+from fo_gym.simulation.simulation import Simulation
 from fo_gym.tasks.control import PathControl
 
 Array = NDArray[np.float64]

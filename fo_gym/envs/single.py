@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from fo_gym.checks import choice
 from fo_gym.envs.actions import checked_action
 from fo_gym.envs.rendering import SceneRenderer
-from fo_gym.envs.settings import Settings
-from fo_gym.envs.simulation import Simulation
-from fo_gym.envs.state import SimulationState, parts_of
 from fo_gym.generators import check_random_state, seed_number
 from fo_gym.parameters import JointInfo
+from fo_gym.simulation.settings import Settings
+from fo_gym.simulation.simulation import Simulation
+from fo_gym.simulation.state import SimulationState, parts_of
 from fo_gym.tasks.task import Task
 
 Array = NDArray[np.float64]

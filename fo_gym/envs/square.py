@@ -95,8 +95,7 @@ class SquareEnv(JointEnv):
 
     ## Arguments
 
-    Those of `fo_gym.envs.settings.Settings`, and `render_mode` ("human" or "rgb_array"). `reset` takes the option
-    "push".
+    Those of `fo_gym.Settings`, and `render_mode` ("human" or "rgb_array"). `reset` takes the option "push".
 
     ## Version history
 

@@ -104,8 +104,8 @@ class StictionEnv(JointEnv):
 
     ## Arguments
 
-    Those of `fo_gym.envs.settings.Settings`, and `render_mode` ("human" or "rgb_array"). `reset` takes the options
-    "target" and "push".
+    Those of `fo_gym.Settings`, and `render_mode` ("human" or "rgb_array"). `reset` takes the options "target" and
+    "push".
 
     ## Version history
 

@@ -13,7 +13,7 @@ from fo_gym.control.nominal_motor import NominalMotor
 from fo_gym.envs.stiction import STICTION
 from fo_gym.parameters import FlexibleJoint, JointInfo, LuGre, PDGains
 from fo_gym.plant import FlexibleJointPlant
-from fo_gym.sensors import Signals
+from fo_gym.signals import Signals
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ import pandas as pd
 import pinocchio
 from joblib import Parallel, delayed
 
-from fo_gym.evaluation.provenance import versions
+from fo_gym.evaluation.runs.provenance import versions
 from fo_gym.reproduction.claims import CLAIMS
 from fo_gym.reproduction.fidelity import CHECKS
 from fo_gym.reproduction.figures import FIGURES, draw

@@ -5,13 +5,12 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
-from fo_gym import ENVIRONMENTS
 from fo_gym.compensators import NoCompensation
 from fo_gym.parameters import FRICTIONLESS
 from fo_gym.reproduction.subject import Subject
 from fo_gym.reproduction.team import Run, run_team
 
-STICTION, REGULATION, SQUARE = ENVIRONMENTS
+STICTION, REGULATION, SQUARE = "FJRStiction-v0", "FJRRegulation-v0", "FJRSquare-v0"
 PAPER = ("pid-low", "pid-high", "pd-low", "pd-high", "letien-low", "letien-high")
 """The paper's observers, by their registered names."""
 

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.compensators import Compensator
-from fo_gym.evaluation.recording import Recording, record
-from fo_gym.evaluation.team import Team, by_feedback
+from fo_gym.evaluation.competitors.team import Team, by_feedback
+from fo_gym.evaluation.episode.recording import Recording, record
 
 Array = NDArray[np.float64]
 

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from fo_gym.checks import shown
-from fo_gym.evaluation.backends import Processes
-from fo_gym.evaluation.entry import check_authors, check_name
+from fo_gym.evaluation.competitors.entry import check_authors, check_name
+from fo_gym.evaluation.runs.backends import Processes
 from fo_gym.files import atomic, csv
 from fo_gym.tuning.entry import authors_of, entry_text, spec_beside
 from fo_gym.tuning.space import default_gains

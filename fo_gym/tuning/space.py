@@ -6,8 +6,8 @@ import math
 from collections.abc import Mapping
 
 from fo_gym.compensators import declared_gains
-from fo_gym.evaluation.competitor import Competitor
-from fo_gym.evaluation.guard.proxy import Guarded
+from fo_gym.evaluation.competitors.competitor import Competitor
+from fo_gym.evaluation.competitors.guard.proxy import Guarded
 
 Space = Mapping[str, tuple[float, float]]
 

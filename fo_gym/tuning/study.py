@@ -14,11 +14,11 @@ from optuna.storages.journal import JournalFileBackend
 from optuna.trial import FrozenTrial, TrialState
 
 from fo_gym.checks import choice, whole_number
-from fo_gym.evaluation.competitor import Competitor
-from fo_gym.evaluation.evaluate import EpisodeSet, references_of, rows
-from fo_gym.evaluation.protocol import known_environments
-from fo_gym.evaluation.recording import References
-from fo_gym.evaluation.seeds import TUNING_SEEDS, VALIDATION_SEEDS, first
+from fo_gym.envs.registry import known_environments
+from fo_gym.evaluation.competitors.competitor import Competitor
+from fo_gym.evaluation.episode.recording import References
+from fo_gym.evaluation.runs.episodes import EpisodeSet, references_of, rows
+from fo_gym.evaluation.runs.seeds import TUNING_SEEDS, VALIDATION_SEEDS, first
 from fo_gym.tasks.variants import VARIANTS
 from fo_gym.tuning.space import default_gains, search_space
 

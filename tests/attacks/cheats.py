@@ -65,7 +65,7 @@ class AnothersRow(Cheat):
     """Patches the scoring, so that whoever comes next is published with 0.123."""
 
     def __init__(self):
-        module = importlib.import_module("fo_gym.evaluation.evaluate")
+        module = importlib.import_module("fo_gym.evaluation.runs.episodes")
         score = module.score
         module.score = lambda episode: {**score(episode), "frr": 0.123}
 

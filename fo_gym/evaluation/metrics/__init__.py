@@ -10,9 +10,9 @@ import math
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from fo_gym.evaluation.episode.record import Episode
 from fo_gym.evaluation.metrics import cost, energy, estimate, rejection, rest, tracking
 from fo_gym.evaluation.metrics.registry import HEADLINE, Metric, metrics_of
-from fo_gym.evaluation.record import Episode
 
 __all__ = ["METRICS", "Metric", "score"]
 

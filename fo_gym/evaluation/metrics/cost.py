@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
+from fo_gym.evaluation.episode.record import Episode
 from fo_gym.evaluation.metrics.reductions import largest, rms
 from fo_gym.evaluation.metrics.registry import Tolerance, metric
-from fo_gym.evaluation.record import Episode
 
 
 @metric("control_effort_ratio", unit="1", better="lower", tolerance=Tolerance(1e-7, 2e-3))

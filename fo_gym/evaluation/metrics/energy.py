@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
+from fo_gym.evaluation.episode.record import Episode
 from fo_gym.evaluation.metrics.reductions import smallest
 from fo_gym.evaluation.metrics.registry import Tolerance, metric
-from fo_gym.evaluation.record import Episode
 
 _STUCK = 1e-4
 """Motor speed below which a joint counts as stuck, m/s or rad/s."""

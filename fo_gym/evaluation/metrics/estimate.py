@@ -7,9 +7,9 @@ import math
 import numpy as np
 from scipy.signal import correlate
 
+from fo_gym.evaluation.episode.record import Array, Episode
 from fo_gym.evaluation.metrics.reductions import largest, rms
 from fo_gym.evaluation.metrics.registry import Tolerance, metric
-from fo_gym.evaluation.record import Array, Episode
 
 _NO_FRICTION = 1e-9
 """RMS friction torque, N or N m, below which there is nothing to estimate."""

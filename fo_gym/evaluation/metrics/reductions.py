@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fo_gym.evaluation.record import Array
+from fo_gym.evaluation.episode.record import Array
 
 
 def rms(signal: Array) -> Array:

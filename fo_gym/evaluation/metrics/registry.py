@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
-from fo_gym.evaluation.record import Episode
+from fo_gym.evaluation.episode.record import Episode
 
 Better = Literal["lower", "higher"]
 

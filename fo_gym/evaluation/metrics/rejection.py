@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
+from fo_gym.evaluation.episode.record import Array, Episode
 from fo_gym.evaluation.metrics.registry import Tolerance, metric
-from fo_gym.evaluation.record import Array, Episode
 
 _NO_EFFECT = 1e-9
 """RMS effect of friction on the motion, m or rad, below which there is nothing to reject."""

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
+from fo_gym.evaluation.episode.record import Array, Episode
 from fo_gym.evaluation.metrics.reductions import largest
 from fo_gym.evaluation.metrics.registry import Tolerance, metric
-from fo_gym.evaluation.record import Array, Episode
 
 _REST = 1.0
 """Length of the window for a rest error, s."""

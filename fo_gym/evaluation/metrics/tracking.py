@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from fo_gym.evaluation.episode.record import Array, Episode
 from fo_gym.evaluation.metrics.reductions import largest, rms
 from fo_gym.evaluation.metrics.registry import Tolerance, metric
-from fo_gym.evaluation.record import Array, Episode
 
 _MM = 1e3
 """mm per m."""

@@ -7,8 +7,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from fo_gym.evaluation.recording import record
-from fo_gym.evaluation.seeds import VALIDATION_SEEDS, first
+from fo_gym.evaluation.episode.recording import record
+from fo_gym.evaluation.runs.seeds import VALIDATION_SEEDS, first
 from fo_gym.parameters import LuGre, PDGains
 from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.reproduction.loop import FRICTION, Motion, run_loop

@@ -18,7 +18,7 @@ from fo_gym.reproduction.loop import FRICTION, JOINT, run_loop
 from fo_gym.reproduction.runs import GAINS
 from fo_gym.reproduction.statement import Finding, at_least, at_most, claim
 from fo_gym.reproduction.subject import Subject
-from fo_gym.sensors import Signals
+from fo_gym.signals import Signals
 
 Array = NDArray[np.float64]
 

@@ -1,0 +1,68 @@
+"""Several compensators on one batch, a share of its environments for each: one simulation instead of many."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fo_gym.compensators import Compensator
+from fo_gym.parameters import JointInfo
+from fo_gym.signals import Signals
+
+Array = NDArray[np.float64]
+Name = TypeVar("Name", bound=Hashable)
+Batch = TypeVar("Batch", JointInfo, Signals)
+
+__all__ = ["Team", "by_feedback"]
+
+
+class Team:
+    """Compensators with the same feedback, each in charge of as many environments of the batch, one after the other.
+
+    What a member does is what it does alone: it sees its own environments and nothing else.
+
+    Args:
+        members: who they are.
+        share: environments of each.
+    """
+
+    def __init__(self, members: Sequence[Compensator], share: int = 1) -> None:
+        self.members = list(members)
+        self.share = share
+        (self.feedback,) = {member.feedback for member in self.members}
+
+    def rows(self, place: int) -> slice:
+        """The environments of a member, by its place."""
+        return slice(place * self.share, (place + 1) * self.share)
+
+    def reset(self, joints: JointInfo, num_envs: int) -> None:
+        """Start every member on a batch of its share."""
+        for place, member in enumerate(self.members):
+            member.reset(_of(joints, self.rows(place)), self.share)
+
+    def estimate(self, signals: Signals) -> Array:
+        """tau_f_hat, (num_envs, dof), the rows of each member from itself. Raises ValueError for another shape."""
+        estimate = np.empty(signals.theta.shape)
+        for place, member in enumerate(self.members):
+            answer = np.asarray(member.estimate(_of(signals, self.rows(place))))
+            own = estimate[self.rows(place)]
+            if answer.shape != own.shape:
+                raise ValueError(f"member {place} returned shape {answer.shape}; its share is {own.shape}")
+            own[...] = answer
+        return estimate
+
+
+def _of(batch: Batch, rows: slice) -> Batch:
+    """The rows of everything that has a row for each environment."""
+    parts: dict[str, Any] = {name: part[rows] for name, part in vars(batch).items() if isinstance(part, np.ndarray)}
+    return replace(batch, **parts)
+
+
+def by_feedback(members: Mapping[Name, Compensator]) -> list[list[Name]]:
+    """Names of the members that can share a batch, those with the same feedback."""
+    feedbacks = dict.fromkeys(member.feedback for member in members.values())
+    return [[name for name, member in members.items() if member.feedback == each] for each in feedbacks]

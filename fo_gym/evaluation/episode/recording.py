@@ -1,0 +1,266 @@
+"""Run one compensator on a batch of episodes and keep what happened."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, cast
+
+import gymnasium as gym
+import numpy as np
+from gymnasium.envs.registration import load_env_creator
+from numpy.typing import NDArray
+
+from fo_gym.compensators import Compensator, Ideal
+from fo_gym.envs.vector import JointVectorEnv
+from fo_gym.evaluation.episode.calls import checked_estimate, checked_reset
+from fo_gym.evaluation.episode.record import Episode, Motion
+from fo_gym.parameters import FRICTIONLESS
+from fo_gym.plant.rigid_body import RigidBody
+from fo_gym.signals import Signals
+from fo_gym.tasks.scenario import Scenario
+from fo_gym.tasks.task import Task
+
+Array = NDArray[np.float64]
+
+_TICK_SIGNALS = ("theta_n", "theta_n_dot", "theta_d", "reference")
+_TICK_TRUTH = ("theta", "theta_dot", "q", "q_dot")
+_PERIOD_TRUTH = ("tau_m", "tau_f", "tau_ext")
+
+__all__ = ["Motions", "Recording", "References", "record"]
+
+
+@dataclass(frozen=True)
+class Motions:
+    """Motors and tools of a batch.
+
+    Attributes:
+        theta: (ticks, num_envs, dof), m or rad.
+        tool: (ticks, num_envs, 3), m, or None.
+    """
+
+    theta: Array
+    tool: Array | None
+
+    def episode(self, i: int) -> Motion:
+        """Motors and tool of episode i."""
+        return Motion(self.theta[:, i], None if self.tool is None else self.tool[:, i])
+
+
+@dataclass(frozen=True)
+class References:
+    """The two runs that every score of a batch is relative to.
+
+    Attributes:
+        ideal: without friction.
+        none: with friction, without compensation.
+    """
+
+    ideal: Motions
+    none: Motions
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A batch of episodes of one compensator.
+
+    Attributes:
+        task: what was run.
+        dt: time between two ticks [s].
+        ticks: arrays (ticks, num_envs, size) by name: theta, theta_dot, q, q_dot, and on a path tool, as they truly
+            were; theta_n, theta_n_dot, theta_d, reference as the compensator saw them.
+        periods: arrays (periods, num_envs, dof) by name: tau_f_hat, tau_m, tau_f, tau_ext.
+        scenarios: the drawn episodes.
+        torque_limit: (dof,).
+        terminations: "" or why each episode ended early.
+        ended: tick at which each episode ended.
+        seconds: time that each call of `estimate` took, (periods,) [s].
+    """
+
+    task: Task
+    dt: float
+    ticks: Mapping[str, Array]
+    periods: Mapping[str, Array]
+    scenarios: Sequence[Scenario]
+    torque_limit: Array
+    terminations: Sequence[str]
+    ended: NDArray[np.int64]
+    seconds: Array
+
+    @property
+    def motions(self) -> Motions:
+        """Motors and tools of all episodes."""
+        return Motions(self.ticks["theta"], self.ticks.get("tool"))
+
+    def part(self, rows: slice) -> Recording:
+        """Some episodes of the batch as a recording of their own; the time per call is their share of it."""
+        share = len(self.ended[rows]) / len(self.ended)
+        return replace(
+            self,
+            ticks={name: array[:, rows] for name, array in self.ticks.items()},
+            periods={name: array[:, rows] for name, array in self.periods.items()},
+            scenarios=self.scenarios[rows],
+            terminations=self.terminations[rows],
+            ended=self.ended[rows],
+            seconds=self.seconds * share,
+        )
+
+    def episode(self, i: int, references: References) -> Episode:
+        """The record of episode i, beside its two references."""
+        ticks = {name: array[:, i] for name, array in self.ticks.items()}
+        periods = {name: array[:, i] for name, array in self.periods.items()}
+        return Episode(
+            dt=self.dt,
+            joint_unit=self.task.joint_unit,
+            motion=self.motions.episode(i),
+            ideal=references.ideal.episode(i),
+            none=references.none.episode(i),
+            theta_dot=ticks["theta_dot"],
+            q=ticks["q"],
+            q_dot=ticks["q_dot"],
+            theta_n=ticks["theta_n"],
+            theta_n_dot=ticks["theta_n_dot"],
+            theta_d=ticks["theta_d"],
+            tool_d=None if self.task.path is None else ticks["reference"],
+            tau_f_hat=periods["tau_f_hat"],
+            tau_f=periods["tau_f"],
+            tau_m=periods["tau_m"],
+            tau_ext=periods["tau_ext"],
+            torque_limit=self.torque_limit,
+            step_time=self.task.step_time,
+            limit_cycle_window=self.task.limit_cycle_window,
+            motion_window=self.task.motion_window,
+            push=self.scenarios[i].push,
+            termination=self.terminations[i],
+        )
+
+
+def _check_suite(env_id: str) -> None:
+    """Raise ValueError for an environment that is not registered, or whose episodes cannot be scored."""
+    try:
+        entry = gym.spec(env_id).vector_entry_point
+        creator: Any = load_env_creator(entry) if isinstance(entry, str) else entry
+    except gym.error.Error as error:
+        raise ValueError(f"unknown environment {env_id!r}: {error}; `fo-gym list` names those there are") from error
+    if not (isinstance(creator, type) and issubclass(creator, JointVectorEnv)):
+        raise ValueError(f"{env_id!r} is not an environment of flexible joints; `fo-gym list` names those there are")
+
+
+def record(
+    compensator: Compensator,
+    name: str,
+    env_id: str,
+    variant: str,
+    seeds: Sequence[int],
+    env_kwargs: Mapping[str, Any],
+    at_start: Callable[[JointVectorEnv], None] | None = None,
+) -> Recording:
+    """Run `compensator` on one batch, an episode per seed, each to its end.
+
+    Args:
+        compensator: who is scored; `Ideal` runs on joints without friction.
+        name: what to call it in errors.
+        env_id: registered environment.
+        variant: variant of it.
+        seeds: one per episode.
+        env_kwargs: further arguments of the environment.
+        at_start: called with the environment when its episodes are drawn and nothing has moved yet; it may change them.
+
+    Raises:
+        CompensatorError: it raised, or returned what is not a finite (num_envs, dof) array.
+    """
+    kwargs = {**env_kwargs, "feedback": compensator.feedback}
+    if type(compensator) is Ideal:
+        kwargs["friction"] = FRICTIONLESS
+    _check_suite(env_id)
+    env = cast("JointVectorEnv", gym.make_vec(env_id, num_envs=len(seeds), variant=variant, **kwargs).unwrapped)
+    env.reset(seed=list(seeds))
+    if at_start is not None:
+        at_start(env)
+    checked_reset(compensator, name, env)
+    return _Recorder(env).run(compensator, name)
+
+
+class _Recorder:
+    """The arrays of a recording while it is made."""
+
+    def __init__(self, env: JointVectorEnv) -> None:
+        self.env = env
+        self.simulation = env.simulation
+        self.dof = self.simulation.dof
+        self.steps = self.simulation.last_tick // self.simulation.settings.decimation
+        self.signals = Signals.from_observation(self.simulation.observation(), self.dof, env.available)
+        sizes = {name: getattr(self.signals, name).shape[-1] for name in _TICK_SIGNALS}
+        sizes |= dict.fromkeys(_TICK_TRUTH, self.dof)
+        self.ticks = {name: np.empty((self.steps + 1, env.num_envs, size)) for name, size in sizes.items()}
+        shape = (self.steps, env.num_envs, self.dof)
+        self.periods = {name: np.empty(shape) for name in ("tau_f_hat", *_PERIOD_TRUTH)}
+        self.scenarios = tuple(self.simulation.scenarios)
+        self.alive = np.ones(env.num_envs, dtype=bool)
+        self.ended = np.full(env.num_envs, self.steps)
+        self.terminations = [""] * env.num_envs
+        self.seconds = np.empty(self.steps)
+        self._keep_tick(0, self.simulation.truth())
+
+    def _keep_tick(self, tick: int, info: Mapping[str, Any]) -> None:
+        for name in _TICK_TRUTH:
+            self.ticks[name][tick] = info[name]
+        for name in _TICK_SIGNALS:
+            self.ticks[name][tick] = getattr(self.signals, name)
+
+    def run(self, compensator: Compensator, name: str) -> Recording:
+        """All episodes, tick by tick."""
+        limit = np.asarray(self.simulation.joints.torque_limit)
+        for step in range(self.steps):
+            start = time.perf_counter()
+            estimate = checked_estimate(compensator, name, self.signals, self.alive, step)
+            self.seconds[step] = time.perf_counter() - start
+            self.periods["tau_f_hat"][step] = estimate
+            obs, _, terminated, _, info = self.env.step(estimate)
+            self.signals = Signals.from_observation(obs, self.dof, self.env.available)
+            for part in _PERIOD_TRUTH:
+                self.periods[part][step] = info[part]
+            self._keep_tick(step + 1, info)
+            if terminated.any():
+                self._end(step + 1, terminated, info)
+                if not self.alive.any():
+                    self.seconds = self.seconds[: step + 1]
+                    break
+        # What was applied: the environment clips to the joints' limits.
+        np.clip(self.periods["tau_f_hat"], -limit, limit, out=self.periods["tau_f_hat"])
+        self._hold_ends()
+        return self._recording(limit)
+
+    def _end(self, tick: int, terminated: NDArray[np.bool_], info: Mapping[str, Any]) -> None:
+        for i in np.flatnonzero(terminated & self.alive):
+            self.ended[i] = tick
+            self.terminations[i] = str(info["termination"][i])
+        self.alive &= ~terminated
+
+    def _hold_ends(self) -> None:
+        """After an early end every array holds its last value: the joint stays where it was lost."""
+        for i in np.flatnonzero(~self.alive):
+            end = self.ended[i]
+            for array in self.ticks.values():
+                array[end:, i] = array[end, i]
+            for array in self.periods.values():
+                array[end:, i] = array[end - 1, i]
+
+    def _recording(self, limit: Array) -> Recording:
+        simulation = self.simulation
+        if simulation.task.path is not None:
+            body = RigidBody(simulation.task.robot, self.steps + 1)
+            tool = [body.tool_position(self.ticks["q"][:, i]) for i in range(self.env.num_envs)]
+            self.ticks["tool"] = np.stack(tool, axis=1)
+        return Recording(
+            task=simulation.task,
+            dt=simulation.settings.step_dt,
+            ticks=self.ticks,
+            periods=self.periods,
+            scenarios=self.scenarios,
+            torque_limit=limit,
+            terminations=self.terminations,
+            ended=self.ended,
+            seconds=self.seconds,
+        )

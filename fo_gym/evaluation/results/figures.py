@@ -1,0 +1,145 @@
+"""Figures of the leaderboard: the ranking with its intervals, and the nominal episodes to look at."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from fo_gym.compensators import BUILT_IN
+from fo_gym.evaluation.competitors.competitor import BASELINE, SUBMISSION, YOURS
+from fo_gym.evaluation.results.leaderboard import leaderboard
+from fo_gym.evaluation.results.style import BLUE, ORANGE, VERMILLION, label
+from fo_gym.evaluation.results.tables import marked
+from fo_gym.evaluation.results.trace_figure import trace_figure
+from fo_gym.evaluation.runs.episodes import SET
+from fo_gym.evaluation.runs.run import Results
+from fo_gym.files import draft_of
+
+Array = NDArray[np.float64]
+
+_COLORS = {BASELINE: BLUE, SUBMISSION: ORANGE, YOURS: VERMILLION}
+_WIDTH, _ROW, _AROUND = 4.3, 0.17, 0.75
+"""Width of a panel, height of a row, and height of a panel without its rows [in]."""
+_SPAN = (-1.0, 4.0)
+"""What the axis may show at most, as digits: FRR from -9 to 0.9999."""
+
+__all__ = ["figures", "ranking_figure"]
+
+
+def ranking_figure(table: pd.DataFrame) -> Figure:
+    """FRR of every competitor with its interval, a panel per environment and variant, best on top.
+
+    The axis is logarithmic in 1 - FRR, so that 0.99 and 0.999 lie as far apart as 0 and 0.9, and no outlier flattens
+    the rest; what lies outside gets an arrow. At the right stand the numbers and the letters of tied groups.
+
+    Args:
+        table: rows as `leaderboard` gives them.
+    """
+    table = table[~table["compensator"].isin(BUILT_IN)]
+    envs, variants = list(table["env"].unique()), list(table["variant"].unique())
+    rows = max(len(group) for _, group in table.groupby(SET))
+    size = (_WIDTH * len(envs), (_ROW * rows + _AROUND) * len(variants) + 0.3)
+    figure = Figure(figsize=size, layout="constrained")
+    figure.get_layout_engine().set(w_pad=0.08)  # type: ignore[union-attr,call-arg]
+    axes = figure.subplots(len(variants), len(envs), squeeze=False, sharex=True)
+    limits = _limits(table)
+    for key, group in table.groupby(SET, sort=False):
+        axis: Axes = axes[variants.index(key[1]), envs.index(key[0])]
+        _draw_ranking(axis, group.sort_values("frr", na_position="first", kind="stable"), limits)
+        axis.set_title(f"{key[0]}, {key[1]}", fontsize="medium")
+    origins = [origin for origin in _COLORS if (table["origin"] == origin).any()]
+    _add_legend(figure, origins, ncols=3 * len(envs))
+    return figure
+
+
+def _digits(frr: pd.Series[float]) -> Array:
+    """The place of an FRR on the axis: 0 at 0, 1 at 0.9, 2 at 0.99, -1 at -9; infinite at 1."""
+    with np.errstate(divide="ignore"):
+        return -np.log10(np.maximum(1.0 - frr.to_numpy(dtype=np.float64), 0.0))
+
+
+def _limits(table: pd.DataFrame) -> tuple[float, float]:
+    """The part of the axis that holds every row, but no more than `_SPAN`."""
+    places = _digits(table["frr"].dropna())
+    low, high = np.clip([np.min(places, initial=1.0), np.max(places, initial=1.0)], *_SPAN)
+    return float(np.floor(low)), max(float(np.ceil(high)), float(np.floor(low)) + 1.0)
+
+
+def _draw_ranking(axis: Axes, rows: pd.DataFrame, limits: tuple[float, float]) -> None:
+    """The rows from bottom to top."""
+    heights = np.arange(len(rows))
+    colors = [_COLORS.get(origin, BLUE) for origin in rows["origin"]]
+    values, lows, highs = (np.clip(_digits(rows[name]), *limits) for name in ("frr", "frr_ci_low", "frr_ci_high"))
+    axis.hlines(heights, lows, highs, colors=colors, linewidth=1.4)
+    for height, value, frr, color, verdict in zip(
+        heights, values, _digits(rows["frr"]), colors, rows["verdict"], strict=True
+    ):
+        marker = "<" if frr < limits[0] else ">" if frr > limits[1] else "o"
+        face = "white" if verdict == "behind" else color
+        axis.plot(value, height, marker, color=color, markerfacecolor=face, markersize=4.5, clip_on=False)
+    names = [label(marked(name, origin)) for name, origin in zip(rows["compensator"], rows["origin"], strict=True)]
+    axis.set_yticks(heights, names, fontsize=8)
+    told = ["no score" if np.isnan(frr) else f"{frr:.3f}" for frr in rows["frr"]]
+    letters = ["" if pd.isna(group) else str(group) for group in rows["tied_group"]]
+    numbers = axis.secondary_yaxis("right")
+    numbers.set_yticks(
+        heights, [f"{frr} {group}".rstrip() for frr, group in zip(told, letters, strict=True)], fontsize=8
+    )
+    for height, origin, text in zip(heights, rows["origin"], axis.get_yticklabels(), strict=True):
+        if origin == YOURS:
+            axis.axhspan(height - 0.5, height + 0.5, color=VERMILLION, alpha=0.12, linewidth=0)
+            text.set(color=VERMILLION, fontweight="bold")
+    axis.set_ylim(-0.7, len(rows) - 0.3)
+    digits = np.arange(limits[0], limits[1] + 1.0)
+    axis.set_xlim(*limits)
+    axis.set_xticks(digits, [f"{1.0 - 10.0**-digit:.4g}" for digit in digits])
+    axis.tick_params(axis="x", labelbottom=True)
+    axis.grid(alpha=0.3)
+    axis.set_xlabel("friction rejection ratio (logarithm of 1 - FRR)", fontsize="small")
+
+
+def _add_legend(figure: Figure, origins: list[str], ncols: int) -> None:
+    """Below all panels: what filled and empty marks are, and the colours where there are several."""
+    dot = {"linestyle": "", "marker": "o", "markersize": 4.5}
+    entries = {
+        "best, or tied with it": Line2D([], [], color="0.3", **dot),  # type: ignore[arg-type]
+        "behind": Line2D([], [], color="0.3", markerfacecolor="white", **dot),  # type: ignore[arg-type]
+        "95 % interval": Line2D([], [], color="0.3", linewidth=1.4),
+    }
+    if len(origins) > 1:
+        entries |= {marked(each, each): Line2D([], [], color=_COLORS[each], **dot) for each in origins}  # type: ignore[arg-type]
+    figure.legend(list(entries.values()), list(entries), loc="outside lower center", ncols=ncols, fontsize=8)
+
+
+def figures(results: Results, folder: Path, table: pd.DataFrame | None = None) -> list[Path]:
+    """Draw everything that the results hold into `folder`.
+
+    Args:
+        results: what was run.
+        folder: where the files go.
+        table: `leaderboard` of the results' episodes, where it is at hand already.
+
+    Returns:
+        The files.
+    """
+    table = leaderboard(results.episodes) if table is None else table
+    origins = dict(zip(table["compensator"], table["origin"], strict=True))
+    drawn = {"ranking": ranking_figure(table)}
+    nominal = [trace for trace in results.traces if trace.variant == "nominal"]
+    for env in dict.fromkeys(trace.env for trace in nominal):
+        drawn[env] = trace_figure([trace for trace in nominal if trace.env == env], origins)
+    paths = []
+    with mpl.rc_context({"savefig.dpi": 110}):
+        for name, figure in drawn.items():
+            path = folder / f"{name}.png"
+            with draft_of(path) as draft:
+                figure.savefig(draft, metadata={"Software": None})
+            paths.append(path)
+    return paths

@@ -1,0 +1,213 @@
+"""From episodes to the leaderboard: one row per environment, variant and competitor, and who beats whom."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Container, Sequence
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.stats import rankdata
+
+from fo_gym.compensators import BUILT_IN
+from fo_gym.evaluation.competitors.competitor import BASELINE
+from fo_gym.evaluation.episode.record import Array
+from fo_gym.evaluation.metrics import METRICS
+from fo_gym.evaluation.results.statistics import (
+    interquartile_mean,
+    rank_intervals,
+    stratified_difference,
+    stratified_interval,
+    stratified_mean,
+    tied,
+    tied_groups,
+)
+from fo_gym.evaluation.runs.episodes import FAILED, KEY, OK, SET, TERMINATED
+from fo_gym.evaluation.runs.provenance import is_provenance
+
+OVERALL = "overall"
+"""What stands in the column env where all environments count together."""
+
+TO_BEST = ["frr_to_best", "frr_to_best_ci_low", "frr_to_best_ci_high"]
+TO_BASELINE = ["frr_to_baseline", "frr_to_baseline_ci_low", "frr_to_baseline_ci_high"]
+STANDING = ["rank", "rank_ci_low", "rank_ci_high", "tied_group", "verdict", *TO_BEST, *TO_BASELINE]
+"""Columns that compare a row with the others of its set; empty for references and rows without a score."""
+
+_Difference = tuple[float, float, float]
+_Row = list[Any]
+
+__all__ = ["OVERALL", "STANDING", "is_baseline", "leaderboard", "overall", "standings"]
+
+
+def is_baseline(name: str, origin: str) -> bool:
+    """Whether a row is a classical baseline, as the difference to the best baseline means it.
+
+    That is a registered compensator that did not learn.
+
+    Args:
+        name: of the compensator. "module:Class", files, and "rl-..." (what the names of learned compensators start
+            with) are none.
+        origin: where it comes from; submissions and references are none. "" (outside a protocol) says nothing.
+    """
+    return origin in (BASELINE, "") and not name.startswith("rl-") and not any(mark in name for mark in ":/\\")
+
+
+def leaderboard(episodes: pd.DataFrame) -> pd.DataFrame:
+    """One row per environment, variant and competitor, in the order of `episodes`.
+
+    Metrics are interquartile means over the seeds; frr has a 95 % bootstrap interval.
+
+    Args:
+        episodes: rows as `evaluate` gives them.
+
+    Returns:
+        env, variant, compensator, status, error, episodes, frr, frr_ci_low, frr_ci_high, `STANDING` (see `standings`),
+        the other metrics, joint_unit, provenance.
+    """
+    others = [metric for metric in METRICS if metric != "frr"]
+    table = []
+    for key, group in episodes.groupby(KEY, sort=False):
+        name = [str(part) for part in key]
+        scores = {metric: interquartile_mean(group[metric].to_numpy()) for metric in others}
+        headline = _headline(group, [group["frr"].to_numpy()], name)
+        told = _told(group, ["joint_unit"])
+        table.append({**dict(zip(KEY, name, strict=True)), **headline, **scores, **told})
+    return _with_standings(pd.DataFrame(table), standings(episodes))
+
+
+def overall(episodes: pd.DataFrame) -> pd.DataFrame:
+    """One row per variant and competitor over all environments of the variant, each of which counts the same.
+
+    frr is the mean over the environments of the interquartile means; intervals resample the seeds within each
+    environment on its own. (Both arm environments draw the same arm from the same seed; at a correlation of 0.5
+    between them a 95 % interval holds the true value in 92 % of cases.) Who has no score in one of the environments
+    has none here. Variants with a single environment have no rows.
+
+    Args:
+        episodes: rows as `evaluate` gives them.
+
+    Returns:
+        The columns of `leaderboard` without the other metrics and joint_unit; env is "overall".
+    """
+    table, compared = [], list[_Row]()
+    for variant, rows in episodes.groupby("variant", sort=False):
+        if rows["env"].nunique() < 2:
+            continue
+        strata = [_by_seed(part) for _, part in rows.groupby("env", sort=False)]
+        label = [OVERALL, str(variant)]
+        for name, group in rows.groupby("compensator", sort=False):
+            headline = _headline(group, [values[name].to_numpy() for values in strata], [*label, str(name)])
+            table.append({**dict(zip(KEY, [*label, str(name)], strict=True)), **headline, **_told(group, [])})
+        compared += _compared(strata, label, _baselines(rows))
+    if not table:
+        return pd.DataFrame(columns=[*KEY, *STANDING])
+    return _with_standings(pd.DataFrame(table), pd.DataFrame(compared, columns=[*KEY, *STANDING]))
+
+
+def standings(episodes: pd.DataFrame) -> pd.DataFrame:
+    """Rank and comparisons of every competitor in its set (environment and variant), by frr.
+
+    Built-in references and rows without a score are left out. All intervals are 95 % bootstrap intervals over the
+    seeds; differences are paired, seed by seed, and positive where the row is better than what it is compared with.
+    With one episode every interval is its value. Pairs are not corrected for their number: of twenty competitors
+    that are all the same, about one pair in twenty looks different.
+
+    Args:
+        episodes: rows as `evaluate` gives them.
+
+    Returns:
+        env, variant, compensator, and, best first in every set:
+        rank (1 = best, equal values share the better one), rank_ci_low, rank_ci_high;
+        tied_group: letters; the interval of the paired difference of two rows holds zero where they share one;
+        verdict: "best", "tied" (with the best) or "behind";
+        frr_to_best: difference to the best row, with frr_to_best_ci_low, frr_to_best_ci_high;
+        frr_to_baseline: difference to the best baseline (`is_baseline`), with its interval; empty without one.
+    """
+    compared: list[_Row] = []
+    for key, rows in episodes.groupby(SET, sort=False):
+        compared += _compared([_by_seed(rows)], [str(part) for part in key], _baselines(rows))
+    return pd.DataFrame(compared, columns=[*KEY, *STANDING])
+
+
+def _generator(*names: str) -> np.random.Generator:
+    """A generator of its own for every number, so that adding a competitor leaves the other intervals alone."""
+    digest = hashlib.sha256("/".join(names).encode("utf-8", "surrogatepass")).digest()
+    return np.random.default_rng(int.from_bytes(digest[:8], "little"))
+
+
+def _status(group: pd.DataFrame) -> tuple[str, str]:
+    failed = group[group["status"] == FAILED]
+    if len(failed):
+        return FAILED, str(failed["error"].iloc[0])
+    ended = group[group["status"] == TERMINATED]
+    if len(ended):
+        return TERMINATED, f"{len(ended)} of {len(group)} episodes ended early, the first: {ended['error'].iloc[0]}"
+    missing = int(group["frr"].isna().sum())
+    return OK, f"frr does not apply to {missing} of {len(group)} episodes" if missing else ""
+
+
+def _headline(group: pd.DataFrame, strata: Sequence[Array], name: Sequence[str]) -> dict[str, object]:
+    """How the episodes of a row went, and its frr with its interval."""
+    status, error = _status(group)
+    low, high = stratified_interval(strata, _generator(*name))
+    frr = {"frr": stratified_mean(strata), "frr_ci_low": low, "frr_ci_high": high}
+    return {"status": status, "error": error, "episodes": len(group), **frr}
+
+
+def _told(group: pd.DataFrame, more: list[str]) -> dict[str, object]:
+    """The columns `more` of a row, then its provenance."""
+    columns = [*more, *(name for name in map(str, group) if is_provenance(name))]
+    return {str(name): value for name, value in group[columns].iloc[0].items()}
+
+
+def _baselines(rows: pd.DataFrame) -> set[str]:
+    """Names of the classical baselines among the competitors of these rows."""
+    origins = rows.drop_duplicates("compensator").set_index("compensator")["origin"]
+    return {str(name) for name, origin in origins.items() if is_baseline(str(name), str(origin))}
+
+
+def _with_standings(table: pd.DataFrame, compared: pd.DataFrame) -> pd.DataFrame:
+    """The table with the columns `STANDING` after the headline's interval."""
+    columns = list(table)
+    place = columns.index("frr_ci_high") + 1
+    return table.merge(compared, on=KEY, how="left")[[*columns[:place], *STANDING, *columns[place:]]]
+
+
+def _by_seed(rows: pd.DataFrame) -> pd.DataFrame:
+    """The frr of one set, a row per seed and a column per competitor, in the order of the rows."""
+    return rows.pivot(index="seed", columns="compensator", values="frr")[rows["compensator"].unique()]
+
+
+def _compared(strata: Sequence[pd.DataFrame], label: Sequence[str], baselines: Container[str]) -> list[_Row]:
+    """Rows of `standings` for competitors that met the same strata, each as `_by_seed` gives it."""
+    means = {str(name): stratified_mean([values[name] for values in strata]) for name in strata[0]}
+    scored = {name: mean for name, mean in means.items() if name not in BUILT_IN and not np.isnan(mean)}
+    names = sorted(scored, key=scored.__getitem__, reverse=True)
+    if not names:
+        return []
+    pairs = _pairs(strata, names, label)
+    ties = np.array([[tied(*pairs[one, other][1:]) for other in names] for one in names])
+    ranks = rankdata([-scored[name] for name in names], method="min")
+    intervals = rank_intervals([values[names].to_numpy() for values in strata], _generator(*label, "ranks"))
+    best, baseline = names[0], next((name for name in names if name in baselines), None)
+    rows: list[_Row] = []
+    for i, (name, group) in enumerate(zip(names, tied_groups(ties), strict=True)):
+        verdict = "best" if name == best else "tied" if ties[0, i] else "behind"
+        to_baseline = pairs[name, baseline] if baseline else (np.nan,) * 3
+        standing = [ranks[i], *intervals[i], group, verdict, *pairs[name, best], *to_baseline]
+        rows.append([*label, name, *standing])
+    return rows
+
+
+def _pairs(
+    strata: Sequence[pd.DataFrame], names: Sequence[str], label: Sequence[str]
+) -> dict[tuple[str, str], _Difference]:
+    """Paired difference of every two competitors, with its interval, and its negative for the pair turned around."""
+    pairs = {(name, name): (0.0, 0.0, 0.0) for name in names}
+    for one, other in combinations(sorted(names), 2):
+        first, second = ([values[name].to_numpy() for values in strata] for name in (one, other))
+        mean, low, high = stratified_difference(first, second, _generator(*label, one, other, "paired"))
+        pairs[one, other], pairs[other, one] = (mean, low, high), (-mean, -high, -low)
+    return pairs

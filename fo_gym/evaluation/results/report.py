@@ -1,0 +1,85 @@
+"""Write the results: CSV files, a Markdown page and figures."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pandas as pd
+
+from fo_gym.evaluation.episode.trace import write_traces
+from fo_gym.evaluation.results.figures import figures
+from fo_gym.evaluation.results.leaderboard import leaderboard
+from fo_gym.evaluation.results.tables import authors, explained, markdown, rankings, summary
+from fo_gym.evaluation.runs.processor import processor, processor_features
+from fo_gym.evaluation.runs.protocol import Protocol
+from fo_gym.evaluation.runs.run import Results
+from fo_gym.files import atomic, csv
+from fo_gym.text import markdown_text
+
+__all__ = ["markdown_page", "write_results"]
+
+
+def markdown_page(protocol: Protocol, results: Results, table: pd.DataFrame, pictures: list[Path]) -> str:
+    """The leaderboard as a page: one table per environment and variant, who submitted, and the figures.
+
+    Args:
+        protocol: what was run.
+        results: what came out.
+        table: `leaderboard` of it.
+        pictures: the figures.
+    """
+    episodes = results.episodes
+    stamps = [name for name in map(str, episodes) if name.startswith("version_")]
+    versions = ", ".join(f"{name.removeprefix('version_')} {episodes[name].iloc[0]}" for name in stamps)
+    count = len(protocol.seeds_of("randomized"))
+    parts = [
+        "# Leaderboard\n",
+        "FRR, the friction rejection ratio, is 1 where a compensator makes the joints move as if there were no "
+        "friction, 0 where it is useless, below 0 where it does harm. Numbers are interquartile means over the "
+        f"episodes ({count} seeds; the nominal variant is one episode, its interval its value), with 95 % bootstrap "
+        "intervals. `none` (no compensation) and `ideal` (no friction) are the two references. Verdict: paired "
+        'comparison with the best, seed by seed; "tied" where its interval holds zero. '
+        "Ranks: the interval of the rank. Group: what shares a letter is not told apart by these episodes.\n",
+        "Rest error: over the last second, worst joint. Limit cycle: peak to peak in the task's window with slow creep "
+        "removed, worst joint; on the arm the joints are under-damped and still ring in that window, friction or not, "
+        "so there it is no proof of hunting. `fo-gym list` explains every metric of leaderboard.csv.\n",
+        "The first table is sorted by the mean of its columns.\n",
+        f"Protocol {markdown_text(protocol.stamp)} (name and hash); {versions}.\n",
+    ]
+    if marks := explained(table):
+        parts.append(f"Marks: {markdown_text(marks)}.\n")
+    for ranking in (summary(table), *rankings(episodes, table)):
+        parts += [f"## {ranking.title}\n", markdown(ranking)]
+    if made := authors(results.competitors):
+        parts += ["## Submissions\n", "\n".join(made) + "\n"]
+    parts += [f"![{markdown_text(path.stem)}](figures/{path.name})\n" for path in pictures]
+    return "\n".join(parts)
+
+
+def write_results(protocol: Protocol, results: Results, out: Path, *, traced: bool = False) -> list[Path]:
+    """Write episodes.csv, leaderboard.csv, timing.csv, leaderboard.md, processor.json and the figures into `out`.
+
+    Args:
+        protocol: what was run.
+        results: what came out.
+        out: the folder.
+        traced: whether to write the traces as well, with their index, into the folder "traces".
+
+    Returns:
+        What was written; of the traces, the index alone.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    table = leaderboard(results.episodes)
+    pictures = figures(results, out / "figures", table)
+    texts = {
+        "episodes.csv": csv(results.episodes),
+        "leaderboard.csv": csv(table),
+        "timing.csv": csv(results.timing),
+        "leaderboard.md": markdown_page(protocol, results, table, pictures),
+        "processor.json": json.dumps({processor(): dict(processor_features())}, indent=2) + "\n",
+    }
+    for name, text in texts.items():
+        atomic(out / name, text)
+    index = [write_traces(results.traces, results.episodes, out / "traces")] if traced else []
+    return [*(out / name for name in texts), *pictures, *index]

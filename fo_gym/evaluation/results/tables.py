@@ -1,0 +1,202 @@
+"""The ranking as a person reads it: headings and cells, for the terminal and for Markdown alike."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+import pandas as pd
+
+from fo_gym.compensators import BUILT_IN
+from fo_gym.evaluation.competitors.competitor import SUBMISSION, YOURS, Competitor
+from fo_gym.evaluation.results.leaderboard import leaderboard, overall
+from fo_gym.evaluation.runs.episodes import OK, SET
+from fo_gym.text import MESSAGE_LIMIT, NAME_LIMIT, markdown_code, markdown_table, markdown_text, one_line
+
+MARKS = {SUBMISSION: "†", YOURS: "*"}
+"""What stands after the names of competitors that are not ours, by their origin."""
+
+# Beside frr: column, heading, and the factor from the column's unit to the heading's.
+_SHOWN = (
+    ("rest_error_ju", "rest error [m{unit}]", 1e3),
+    ("limit_cycle_amplitude_ju", "limit cycle [m{unit}]", 1e3),
+    ("tool_rms_error_mm", "tool RMS [mm]", 1.0),
+    ("contour_error_mm", "contour RMS [mm]", 1.0),
+    ("estimate_lag_ms", "lag [ms]", 1.0),
+)
+
+__all__ = ["MARKS", "Ranking", "authors", "explained", "finding", "markdown", "marked", "rankings", "summary"]
+
+
+class Ranking(NamedTuple):
+    """A table of plain text, such as one environment and variant, best competitor first, the references last.
+
+    Attributes:
+        title: of the table.
+        headings: one per column.
+        cells: a list per row.
+        own: which rows are of competitors that are yours.
+    """
+
+    title: str
+    headings: list[str]
+    cells: list[list[str]]
+    own: frozenset[int] = frozenset()
+
+
+def marked(name: str, origin: str) -> str:
+    """The name as tables and figures show it, with the mark of its origin."""
+    return " ".join(part for part in (one_line(name, NAME_LIMIT), MARKS.get(origin)) if part)
+
+
+def explained(rows: pd.DataFrame) -> str:
+    """What the marks in tables of these rows mean; "" where there are none."""
+    present = rows["origin"].unique()
+    return ", ".join(f"{mark} {origin}" for origin, mark in MARKS.items() if origin in present)
+
+
+def _own(origins: Sequence[str]) -> frozenset[int]:
+    return frozenset(place for place, origin in enumerate(origins) if origin == YOURS)
+
+
+def authors(competitors: Sequence[Competitor]) -> list[str]:
+    """Who made the submissions, and where they are described: lines of Markdown."""
+    made = [each for each in competitors if each.origin == SUBMISSION]
+    return [
+        f"* {markdown_text(marked(each.name, each.origin))}: {markdown_text(', '.join(each.authors))}"
+        + (f", <{each.link}>" if each.link else "")
+        for each in made
+    ]
+
+
+def _number(value: Any, form: str, factor: float = 1.0) -> str:
+    return "" if pd.isna(value) else format(value * factor, form)
+
+
+def _verdict(row: pd.Series[Any]) -> str:
+    words = "reference" if row["compensator"] in BUILT_IN else row["verdict"]
+    note = "" if row["status"] == OK else one_line(f"{row['status']}: {row['error']}", MESSAGE_LIMIT)
+    return "; ".join(str(part) for part in (words, note) if part and not pd.isna(part))
+
+
+def _range(low: Any, high: Any, form: str) -> str:
+    return "" if pd.isna(low) else f"{low:{form}} ... {high:{form}}"
+
+
+def _cells(row: pd.Series[Any], shown: list[tuple[str, str, float]]) -> list[str]:
+    scores = [_number(row[column], ".3g", factor) for column, _, factor in shown]
+    return [
+        _number(row["rank"], ".0f"),
+        marked(row["compensator"], row["origin"]),
+        _number(row["frr"], ".4f"),
+        _range(row["frr_ci_low"], row["frr_ci_high"], ".4f"),
+        _range(row["rank_ci_low"], row["rank_ci_high"], ".0f"),
+        "" if pd.isna(row["tied_group"]) else row["tied_group"],
+        *scores,
+        _verdict(row),
+    ]
+
+
+def rankings(episodes: pd.DataFrame, table: pd.DataFrame | None = None) -> Iterator[Ranking]:
+    """One ranking per variant over all environments, where there are several, then one per environment and variant.
+
+    Args:
+        episodes: rows as `evaluate` gives them.
+        table: `leaderboard` of these episodes, where it is at hand already.
+    """
+    for variant, group in overall(episodes).groupby("variant", sort=False):
+        yield _ranking(f"All environments, {variant}", group, [])
+    table = leaderboard(episodes) if table is None else table
+    for key, group in table.groupby(SET, sort=False):
+        shown = [entry for entry in _SHOWN if group[entry[0]].notna().any()]
+        if any(column.endswith("_mm") for column, _, _ in shown):
+            # Where the tool's path is the task, joints may rest anywhere that puts the tool right.
+            shown = [entry for entry in shown if not entry[0].endswith("_ju")]
+        unit = next((unit for unit in group["joint_unit"] if unit), "")
+        named = [(column, heading.format(unit=unit), factor) for column, heading, factor in shown]
+        yield _ranking(f"{key[0]}, {key[1]}", group, named)
+
+
+def _ranking(title: str, rows: pd.DataFrame, shown: list[tuple[str, str, float]]) -> Ranking:
+    """The rows as a ranking, with the columns `shown` (column, heading, factor) beside frr."""
+    ordered = rows.sort_values("rank", kind="stable", na_position="last")
+    before = ["rank", "compensator", "FRR", "95 % interval", "ranks", "group"]
+    cells = [_cells(row, shown) for _, row in ordered.iterrows()]
+    headings = [*before, *(heading for _, heading, _ in shown), "verdict"]
+    return Ranking(title, headings, cells, _own(list(ordered["origin"])))
+
+
+def finding(table: pd.DataFrame, variant: str) -> str:
+    """Who is best in a variant and tied with the best, and who is beaten, in two sentences of Markdown.
+
+    Args:
+        table: rows as `leaderboard` gives them, or as read from leaderboard.csv.
+        variant: which of its variants.
+
+    Raises:
+        ValueError: the table has no such variant.
+    """
+    rows = table[(table["variant"] == variant) & ~table["compensator"].isin(BUILT_IN)]
+    if not len(rows):
+        known = ", ".join(map(str, table["variant"].unique()))
+        raise ValueError(f"the table has no variant {variant!r}; it has {known}")
+    envs = rows["env"].unique()
+    leaders = [_leaders(str(env), rows[rows["env"] == env]) for env in envs]
+    beaten: dict[str, list[str]] = {"everywhere": []}
+    for _, group in rows[rows["verdict"] == "behind"].groupby("compensator", sort=False):
+        lost = [str(env) for env in group["env"]]
+        where = "everywhere" if len(lost) == len(envs) > 1 else "on " + _listed(lost)
+        beaten.setdefault(where, []).extend(_codes(group.head(1)))
+    losers = "; ".join(f"{where}: {', '.join(names)}" for where, names in beaten.items() if names) or "nobody"
+    unscored = _codes(rows[rows["frr"].isna()].drop_duplicates("compensator"))
+    losers += f"; without a score somewhere: {', '.join(unscored)}" if unscored else ""
+    return f"In `{variant}`, {'; '.join(leaders)}. Beaten by the best (95 % interval without zero): {losers}."
+
+
+def _leaders(env: str, rows: pd.DataFrame) -> str:
+    """Who is best on an environment, and with whom."""
+    best, tied = (_codes(rows[rows["verdict"] == verdict]) for verdict in ("best", "tied"))
+    if not best:
+        return f"nobody has a score on {env}"
+    return f"{best[0]} is best on {env}, tied with {_listed(tied) if tied else 'nobody'}"
+
+
+def _codes(rows: pd.DataFrame) -> list[str]:
+    """The names of these rows as code in Markdown, with the marks of their origins."""
+    return [
+        markdown_code(one_line(name, NAME_LIMIT)) + MARKS.get(origin, "")
+        for name, origin in zip(rows["compensator"], rows["origin"], strict=True)
+    ]
+
+
+def _listed(words: list[str]) -> str:
+    """The words as a person lists them: a, b and c."""
+    return " and ".join(part for part in (", ".join(words[:-1]), *words[-1:]) if part)
+
+
+def summary(table: pd.DataFrame) -> Ranking:
+    """FRR of every competitor in every environment and variant, best on average first, failed ones last.
+
+    Args:
+        table: rows as `leaderboard` gives them.
+    """
+    competitors = table[~table["compensator"].isin(BUILT_IN)]
+    frr = competitors.pivot(index="compensator", columns=SET, values="frr")
+    sets = list(table[SET].drop_duplicates().itertuples(index=False, name=None))
+    mean = frr.mean(axis=1, skipna=False).sort_values(ascending=False, kind="stable", na_position="last")
+    frr = frr.loc[mean.index, sets]
+    headings = ["compensator", *(f"{env}, {variant}" for env, variant in sets)]
+    origins = competitors.drop_duplicates("compensator").set_index("compensator")["origin"][frr.index]
+    cells = [
+        [marked(str(name), origin), *(_number(value, ".3f") for value in values)]
+        for name, origin, values in zip(frr.index, origins, frr.to_numpy(), strict=True)
+    ]
+    return Ranking("Friction rejection ratio", headings, cells, _own(list(origins)))
+
+
+def markdown(ranking: Ranking) -> str:
+    """The ranking as a Markdown table; rows that are yours are bold."""
+    rows = [[markdown_text(cell) for cell in row] for row in ranking.cells]
+    for place in ranking.own:
+        rows[place] = [f"**{cell.strip()}**" if cell.strip() else "" for cell in rows[place]]
+    return markdown_table([markdown_text(heading) for heading in ranking.headings], rows)

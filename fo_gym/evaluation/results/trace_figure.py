@@ -1,0 +1,126 @@
+"""The nominal episodes to look at: the references, the best, and your own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from fo_gym.compensators import BUILT_IN
+from fo_gym.evaluation.competitors.competitor import YOURS
+from fo_gym.evaluation.episode.trace import Trace
+from fo_gym.evaluation.results.style import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, label
+from fo_gym.evaluation.results.tables import marked
+
+_MILLI = 1e3
+_JOINT = 1
+_SIZE = (10.0, 4.2)
+_ENTRY = 0.045
+"""Height of an entry of the legend, as a share of the axes'."""
+_REFERENCES: Mapping[str, dict[str, Any]] = {
+    "ideal": {"color": "0.6", "linestyle": "--", "linewidth": 1.6},
+    "none": {"color": "0.3", "linestyle": ":", "linewidth": 1.2},
+}
+_LINES: tuple[dict[str, Any], ...] = (
+    {"color": VERMILLION, "linestyle": "-"},
+    {"color": BLUE, "linestyle": (0, (5, 1.2))},
+    {"color": GREEN, "linestyle": (0, (5, 1.2, 1, 1.2))},
+    {"color": PURPLE, "linestyle": "-"},
+    {"color": ORANGE, "linestyle": (0, (3, 1))},
+    {"color": SKY, "linestyle": (0, (1, 0.8))},
+)
+"""Of competitors; as many as there are curves beside the references."""
+_OWN, _OTHER = {"linewidth": 2.2, "zorder": 3.0}, {"linewidth": 1.2}
+
+__all__ = ["trace_figure"]
+
+_Curve = tuple[Trace, str, dict[str, Any]]
+
+
+def trace_figure(traces: Sequence[Trace], origins: Mapping[str, str]) -> Figure:
+    """The nominal episodes of one environment: the tool's path, or a joint's motion.
+
+    At most eight curves: the references, what is yours, and the best of the others.
+
+    Args:
+        traces: of one environment.
+        origins: where each competitor comes from.
+    """
+    figure = Figure(figsize=_SIZE, layout="constrained")
+    left, right = figure.subplots(1, 2)
+    competitors = [trace for trace in traces if trace.compensator not in BUILT_IN]
+    curves = _chosen(traces, origins)
+    if "tool" in traces[0].signals:
+        _draw_paths(left, right, curves)
+    else:
+        _draw_joint(left, right, curves)
+    shown = sum(trace.compensator not in BUILT_IN for trace, _, _ in curves)
+    which = f": {shown} of {len(competitors)}, by FRR" if shown < len(competitors) else ""
+    left.set_title(f"{traces[0].env}, nominal{which}", fontsize="medium")
+    for axis in (left, right):
+        axis.grid(alpha=0.3)
+    return figure
+
+
+def _chosen(traces: Sequence[Trace], origins: Mapping[str, str]) -> list[_Curve]:
+    """What is drawn, with its name in the legend and its line."""
+    competitors = [trace for trace in traces if trace.compensator not in BUILT_IN]
+    competitors.sort(key=lambda trace: (origins.get(trace.compensator) != YOURS, -trace.frr))
+    curves = [
+        (trace, trace.compensator, _REFERENCES[trace.compensator])
+        for trace in traces
+        if trace.compensator in _REFERENCES
+    ]
+    for trace, line in zip(competitors, _LINES, strict=False):
+        origin = origins.get(trace.compensator, "")
+        name = f"{label(marked(trace.compensator, origin))}  {trace.frr:.3f}"
+        curves.append((trace, name, line | (_OWN if origin == YOURS else _OTHER)))
+    return curves
+
+
+def _draw_joint(left: Axes, right: Axes, curves: Sequence[_Curve]) -> None:
+    """Left: a joint's distance from its target; right: from where it would be without friction, magnified."""
+    joint = min(_JOINT, curves[0][0].signals["theta"].shape[1] - 1)
+    reach = 0.0
+    for trace, _, line in curves:
+        theta, ideal, target = (trace.signals[name][:, joint] for name in ("theta", "theta_ideal", "theta_d"))
+        left.plot(trace.signals["time"], _MILLI * (theta - target), **line)
+        if trace.compensator not in BUILT_IN:
+            lost = _MILLI * (theta - ideal)
+            right.plot(trace.signals["time"], lost, **line)
+            reach = max(reach, 1.3 * float(np.abs(lost[len(lost) // 2 :]).max()))
+    if reach > 0.0:
+        right.set_ylim(-reach, reach)
+    _add_legend(left, curves, ncols=2)
+    for axis, origin in ((left, "theta_d"), (right, "theta_ideal")):
+        axis.set_xlabel("time [s]")
+        axis.set_ylabel(f"theta - {origin}, joint {joint + 1} [m{curves[0][0].joint_unit}]")
+
+
+def _draw_paths(left: Axes, right: Axes, curves: Sequence[_Curve]) -> None:
+    """Left: the tool's path in the y-z plane; right: how far it is from where it would be without friction."""
+    for trace, _, line in curves:
+        tool, ideal = trace.signals["tool"], trace.signals["tool_ideal"]
+        left.plot(*(_MILLI * tool[:, 1:].T), **line)
+        if trace.compensator != "ideal":
+            right.semilogy(trace.signals["time"], _MILLI * np.linalg.norm(tool - ideal, axis=1), **line)
+    left.plot(*(_MILLI * curves[0][0].signals["tool_d"][:, 1:].T), color="k", linewidth=0.6)
+    left.set_aspect("equal")
+    names = [*(name for _, name, _ in curves), "reference"]
+    left.legend(left.lines, names, loc="center", fontsize=7.5)  # within the path there is nothing to cover
+    left.set_xlabel("y [mm]")
+    left.set_ylabel("z [mm]")
+    right.set_ylim(bottom=1e-3)  # at the start everybody is where the ideal is
+    right.set_xlabel("time [s]")
+    right.set_ylabel("distance of the tool from the friction-free one [mm]")
+
+
+def _add_legend(axis: Axes, curves: Sequence[_Curve], ncols: int) -> None:
+    """A legend at the top, for which the axis grows, so that it covers no curve."""
+    low, high = axis.get_ylim()
+    share = 0.04 + _ENTRY * -(-len(curves) // ncols)
+    axis.set_ylim(low, low + (high - low) / (1.0 - share))
+    axis.legend(axis.lines, [name for _, name, _ in curves], loc="upper right", ncols=ncols, fontsize=7.5)

@@ -1,0 +1,86 @@
+"""Sets of episodes that everybody meets, and the rows that come of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import pandas as pd
+
+from fo_gym.compensators import Compensator, Ideal, NoCompensation
+from fo_gym.evaluation.episode.recording import Recording, References, record
+from fo_gym.evaluation.metrics import METRICS, score
+from fo_gym.evaluation.runs.provenance import provenance
+
+OK, TERMINATED, FAILED = "ok", "terminated", "failed"
+
+SET = ["env", "variant"]
+"""Columns that name a set of episodes."""
+KEY = [*SET, "compensator"]
+"""Columns that name a run: a competitor on a set of episodes."""
+
+__all__ = ["FAILED", "KEY", "OK", "SET", "TERMINATED", "EpisodeSet", "failed_rows", "references_of", "rows"]
+
+
+@dataclass(frozen=True)
+class EpisodeSet:
+    """Episodes that every competitor meets: the same environment, variant, seeds and arguments.
+
+    Attributes:
+        env_id: registered environment.
+        variant: variant of it.
+        seeds: one per episode.
+        env_kwargs: further arguments of the environment.
+        traced: whether the worst, the median and the best are kept tick by tick; the nominal one is, in any case.
+    """
+
+    env_id: str
+    variant: str
+    seeds: tuple[int, ...]
+    env_kwargs: Mapping[str, Any]
+    traced: bool = False
+
+    def record(self, compensator: Compensator, name: str) -> Recording:
+        """Run `compensator` on these episodes."""
+        return record(compensator, name, self.env_id, self.variant, self.seeds, self.env_kwargs)
+
+
+def references_of(episodes: EpisodeSet) -> tuple[Recording, Recording]:
+    """The two runs that every score of these episodes is relative to: `none`, then `ideal`."""
+    return episodes.record(NoCompensation(), "none"), episodes.record(Ideal(), "ideal")
+
+
+def rows(
+    episodes: EpisodeSet, name: str, recording: Recording, references: References, protocol: str = ""
+) -> pd.DataFrame:
+    """The scores of a recording, one row per episode; `origin` and `competitor_hash` are "" in it."""
+    table = []
+    for i, seed in enumerate(episodes.seeds):
+        episode = recording.episode(i, references)
+        reason = recording.terminations[i]
+        error = f"{reason} at {recording.ended[i] * recording.dt:.3f} s" if reason else ""
+        table.append(
+            {
+                "env": episodes.env_id,
+                "variant": episodes.variant,
+                "compensator": name,
+                "seed": seed,
+                "status": TERMINATED if reason else OK,
+                "error": error,
+                **score(episode),
+                "joint_unit": episode.joint_unit,
+                **provenance(protocol),
+            }
+        )
+    return pd.DataFrame(table)
+
+
+def failed_rows(episodes: EpisodeSet, name: str, error: str, protocol: str = "") -> pd.DataFrame:
+    """Rows of a competitor that could not be run: no scores, and why."""
+    row = {"env": episodes.env_id, "variant": episodes.variant, "compensator": name}
+    scores = dict.fromkeys(METRICS, float("nan"))
+    return pd.DataFrame(
+        {**row, "seed": seed, "status": FAILED, "error": error, **scores, "joint_unit": "", **provenance(protocol)}
+        for seed in episodes.seeds
+    )

@@ -1,0 +1,44 @@
+"""What every published row says about how it came about."""
+
+from __future__ import annotations
+
+import platform
+from functools import lru_cache
+from importlib.metadata import version
+
+from fo_gym.evaluation.runs.processor import processor
+
+PACKAGES = ("fo-gym", "gymnasium", "mujoco", "numba", "numpy", "scipy")
+
+_COLUMNS = ("origin", "competitor_hash", "protocol", "processor")
+
+__all__ = ["PACKAGES", "is_provenance", "provenance", "versions"]
+
+
+@lru_cache(maxsize=1)
+def versions() -> dict[str, str]:
+    """Columns `version_*`: the package, what computes, and Python."""
+    packages = {f"version_{name.replace('-', '_')}": version(name) for name in PACKAGES}
+    return packages | {"version_python": platform.python_version()}
+
+
+def provenance(protocol: str = "", origin: str = "", competitor_hash: str = "") -> dict[str, str]:
+    """What a row says about how it came about.
+
+    Args:
+        protocol: name and hash of what was run, or "" outside a protocol.
+        origin: "baseline" (named by the protocol), "submission" (from the folder of submissions), "yours" (given to
+            `fo-gym evaluate` or a sweep), "reference" (`none` and `ideal`), or "" outside a protocol.
+        competitor_hash: of the competitor's source, weights and gains; "" for the references, and for a class or an
+            instance.
+
+    Returns:
+        Columns `origin`, `competitor_hash`, `protocol`, `processor` (see `processor`) and `version_*`.
+    """
+    made_by = {"origin": origin, "competitor_hash": competitor_hash, "protocol": protocol}
+    return {**made_by, "processor": processor(), **versions()}
+
+
+def is_provenance(column: str) -> bool:
+    """Whether a column says how a row came about, not what came out."""
+    return column in _COLUMNS or column.startswith("version_")

@@ -1,0 +1,264 @@
+"""Run a protocol: every competitor on every set of episodes, in parallel, one row per episode."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+
+import pandas as pd
+
+from fo_gym.compensators import BUILT_IN
+from fo_gym.evaluation.competitors.competitor import Competitor
+from fo_gym.evaluation.competitors.entry import check_names, competitor_of
+from fo_gym.evaluation.episode.recording import References
+from fo_gym.evaluation.episode.trace import Trace
+from fo_gym.evaluation.runs.backends import Backend, BackendError, Processes
+from fo_gym.evaluation.runs.episodes import EpisodeSet
+from fo_gym.evaluation.runs.protocol import Protocol
+from fo_gym.evaluation.runs.store import Store
+from fo_gym.evaluation.runs.trial import IDEAL, NONE, Trial, failed_trial, reference_trials, trials_together
+
+OnRun = Callable[[str], None]
+"""Called with a label after every run, `none` and `ideal` counted as one."""
+
+ENDED = "it ended the process that it ran in"
+"""The error of a competitor that takes its process down, as a crash in compiled code does."""
+
+_Crew = tuple[int, tuple[int, ...]]
+"""The number of a contest, and the places of those who share a batch of it."""
+
+__all__ = ["ENDED", "Contest", "Results", "competitors_of", "contests_in", "run_contests", "run_protocol"]
+
+
+@dataclass(frozen=True)
+class Contest:
+    """A set of episodes, and who meets them besides `none` and `ideal`.
+
+    Attributes:
+        episodes: what they meet.
+        competitors: who.
+        together: how many of them share a batch, which changes no row; a short time for many, but more memory.
+    """
+
+    episodes: EpisodeSet
+    competitors: tuple[Competitor, ...]
+    together: int = 1
+
+    @property
+    def everybody(self) -> tuple[Competitor, ...]:
+        """The references first."""
+        return NONE, IDEAL, *self.competitors
+
+    @property
+    def runs(self) -> int:
+        """How many runs there are, `none` and `ideal` counted as one."""
+        return 1 + len(self.competitors)
+
+
+@dataclass(frozen=True)
+class Results:
+    """What a protocol yields.
+
+    Attributes:
+        episodes: one row per episode, in the protocol's order.
+        timing: one row per run: time per call of `estimate`, for the whole batch, when it was computed.
+        traces: the nominal episodes, and where asked for (or kept in the store) those of the other variants.
+        competitors: who took part, besides `none` and `ideal`.
+        runs: number of runs, `none` and `ideal` of a set counted as one.
+        stored: how many of them were taken from the store.
+    """
+
+    episodes: pd.DataFrame
+    timing: pd.DataFrame
+    traces: list[Trace]
+    competitors: tuple[Competitor, ...] = field(default=())
+    runs: int = 0
+    stored: int = 0
+
+
+def competitors_of(protocol: Protocol, submissions: Sequence[Competitor] = ()) -> tuple[Competitor, ...]:
+    """Who takes part besides `none` and `ideal`: those that the protocol names, then the submissions.
+
+    Raises:
+        ValueError: an entry is not allowed, or two have the same name.
+    """
+    named = tuple(competitor_of(name) for name in protocol.compensators if name not in BUILT_IN)
+    check_names((*named, *submissions))
+    return (*named, *submissions)
+
+
+def contests_in(protocol: Protocol, submissions: Sequence[Competitor] = (), *, traced: bool = False) -> list[Contest]:
+    """Every set of episodes of a protocol, with everybody who meets it. Raises as `competitors_of` does."""
+    competitors = competitors_of(protocol, submissions)
+    if not competitors:
+        raise ValueError(
+            f"protocol {protocol.name!r}: compensators is {list(protocol.compensators)}; name one besides references"
+        )
+    return [
+        Contest(EpisodeSet(env_id, variant, protocol.seeds_of(variant), {}, traced), competitors)
+        for env_id in protocol.environments
+        for variant in protocol.variants
+    ]
+
+
+class _Runner:
+    """The trials of some contests while they come in, by contest and place in it."""
+
+    def __init__(self, contests: Sequence[Contest], store: Store | None, announce: OnRun) -> None:
+        self.contests = contests
+        self.store = store
+        self.announce = announce
+        self.trials: dict[tuple[int, int], Trial] = {}
+        self.stored = 0
+
+    def take_stored(self) -> None:
+        """What need not be computed."""
+        for number, contest in enumerate(self.contests):
+            for place, competitor in enumerate(contest.everybody):
+                trial = self.store.load(contest.episodes, competitor) if self.store else None
+                if trial is not None:
+                    self.trials[number, place] = trial
+        for number, contest in enumerate(self.contests):
+            # The rows of the references may be there, but if anybody else's are not, their motions are needed.
+            references = () if self.missing(number) else (0,)
+            others = (place for place in range(2, len(contest.everybody)) if (number, place) in self.trials)
+            for place in (*references, *others):
+                self.stored += 1
+                self._tell(number, place, ", from the store")
+
+    def missing(self, number: int) -> list[int]:
+        """Places of a contest whose trials are not there."""
+        return [place for place in range(len(self.contests[number].everybody)) if (number, place) not in self.trials]
+
+    def _tell(self, number: int, place: int, how: str = "") -> None:
+        contest = self.contests[number]
+        who = "none, ideal" if place <= 1 else contest.everybody[place].name
+        self.announce(f"{contest.episodes.env_id} {contest.episodes.variant}: {who}{how}")
+
+    def _keep(self, number: int, place: int, trial: Trial) -> None:
+        contest = self.contests[number]
+        if (number, place) not in self.trials:
+            self.trials[number, place] = trial
+            if self.store:
+                self.store.save(contest.episodes, contest.everybody[place], trial)
+
+    def run_references(self, backend: Backend) -> dict[int, References]:
+        """`none` and `ideal` of every contest in which something is missing: the scores of all need them."""
+        needed = [number for number in range(len(self.contests)) if self.missing(number)]
+        found: dict[int, References] = {}
+        for place, result in backend.run(reference_trials, [(self.contests[n].episodes,) for n in needed]):
+            number = needed[place]
+            if result is None:
+                episodes = self.contests[number].episodes
+                raise BackendError(
+                    f"the process that ran none and ideal of {episodes.env_id}, {episodes.variant} was killed each "
+                    "time it was tried; is there enough memory? Use fewer --jobs"
+                )
+            found[number], *both = result
+            for reference, trial in enumerate(both):
+                self._keep(number, reference, trial)
+            self._tell(number, 0)
+        return found
+
+    def run_competitors(self, backend: Backend, references: dict[int, References]) -> None:
+        """Everybody else whose trial is missing."""
+        crews = []
+        for number in sorted(references):
+            left, size = self.missing(number), self.contests[number].together
+            crews += [(number, tuple(left[start : start + size])) for start in range(0, len(left), size)]
+        lost = self._run_crews(backend, references, crews)
+        suspects = [(number, (place,)) for number, places in lost if len(places) > 1 for place in places]
+        dead = [crew for crew in lost if len(crew[1]) == 1]
+        for number, (place,) in [*dead, *self._run_crews(backend, references, suspects)]:
+            contest = self.contests[number]
+            self._keep(number, place, failed_trial(contest.episodes, contest.everybody[place], ENDED))
+            self._tell(number, place)
+
+    def _run_crews(self, backend: Backend, references: dict[int, References], crews: Sequence[_Crew]) -> list[_Crew]:
+        """Run some crews; returns those that took their process down."""
+        lost: list[_Crew] = []
+        tasks = [
+            (self.contests[n].episodes, [self.contests[n].everybody[place] for place in places], references[n])
+            for n, places in crews
+        ]
+        for task, trials in backend.run(trials_together, tasks):
+            number, places = crews[task]
+            if trials is None:
+                lost.append(crews[task])
+                continue
+            for place, trial in zip(places, trials, strict=True):
+                self._keep(number, place, trial)
+                self._tell(number, place)
+        return lost
+
+    def labelled(self, protocol: str) -> Iterator[Trial]:
+        """All trials in order, under the names of this run."""
+        for number, contest in enumerate(self.contests):
+            for place, competitor in enumerate(contest.everybody):
+                yield self.trials[number, place].labelled(contest.episodes, competitor, protocol)
+
+
+def run_contests(
+    contests: Sequence[Contest],
+    protocol: str,
+    *,
+    backend: Backend,
+    store: Store | None = None,
+    on_run: OnRun | None = None,
+) -> Results:
+    """Run some sets of episodes; see `run_protocol`.
+
+    Args:
+        contests: what is run.
+        protocol: what the rows say they belong to.
+        backend: who does the work.
+        store: what was computed before is taken from there, what is computed now is kept there.
+        on_run: who is told.
+    """
+    runner = _Runner(contests, store, on_run or _silence)
+    runner.take_stored()
+    if any(runner.missing(number) for number in range(len(contests))):
+        runner.run_competitors(backend, runner.run_references(backend))
+    trials = list(runner.labelled(protocol))
+    everybody = (competitor for contest in contests for competitor in contest.competitors)
+    return Results(
+        episodes=pd.concat([trial.rows for trial in trials], ignore_index=True),
+        timing=pd.DataFrame([trial.timing for trial in trials if trial.timing is not None]),
+        traces=[trace for trial in trials for trace in trial.traces],
+        competitors=tuple({competitor.name: competitor for competitor in everybody}.values()),
+        runs=sum(contest.runs for contest in contests),
+        stored=runner.stored,
+    )
+
+
+def run_protocol(
+    protocol: Protocol,
+    *,
+    submissions: Sequence[Competitor] = (),
+    traced: bool = False,
+    jobs: int = 1,
+    backend: Backend | None = None,
+    store: Store | None = None,
+    on_run: OnRun | None = None,
+) -> Results:
+    """Run everything that a protocol names. The rows do not depend on who does the work, nor on the store.
+
+    Args:
+        protocol: what is run.
+        submissions: further competitors.
+        traced: whether the worst, median and best episodes of every variant are kept tick by tick.
+        jobs: worker processes; -1 = one per core. With 1 everything runs in this process.
+        backend: who does the work, instead of `jobs` processes.
+        store: what was computed before is taken from there, what is computed now is kept there; None = neither.
+        on_run: called with a label after every run, `none` and `ideal` counted as one.
+
+    Raises:
+        ValueError: an entry is not allowed, or two competitors have the same name.
+        BackendError: the workers were lost; what they finished is in the store.
+    """
+    contests = contests_in(protocol, submissions, traced=traced)
+    return run_contests(contests, protocol.stamp, backend=backend or Processes(jobs), store=store, on_run=on_run)
+
+
+def _silence(label: str) -> None:
+    """Nobody listens."""

@@ -1,0 +1,1 @@
+"""A batch of episodes: plant, hardware, control, reward; without Gymnasium."""

@@ -1,0 +1,128 @@
+"""The arguments that every environment takes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+from fo_gym.checks import POSITIVE, choice, instance, number, only, shown, whole_number
+from fo_gym.hardware import Hardware, SensorModel
+from fo_gym.parameters import FlexibleJoint, ImpedanceGains, LuGre, PDGains
+from fo_gym.plant.steps import PhysicsDt, is_auto, micro_steps
+from fo_gym.signals import TIERS
+from fo_gym.tasks.task import Randomization, Task
+from fo_gym.tasks.variants import VARIANTS
+
+ACTION_MODES = ("compensation", "torque")
+FEEDBACKS = ("measured", "nominal")
+
+MAX_TICKS = 100_000_000
+"""Control ticks of an episode at most: more than a day at 1 kHz."""
+
+__all__ = ["ACTION_MODES", "FEEDBACKS", "MAX_TICKS", "Settings"]
+
+
+@dataclass(frozen=True, eq=False)
+class Settings:
+    """How an environment is run. What is None comes from the task.
+
+    Attributes:
+        variant: "nominal" (no randomness), "randomized" (parameters drawn per episode from the seed) or "hardware"
+            (randomized, and imperfect sensors, commands, joints and models, see `fo_gym.Hardware`).
+        action_mode: "compensation" (action = tau_f_hat; tau_m = tau_c - tau_f_hat) or "torque" (action = tau_m).
+        feedback: "measured" or "nominal", which motor signal the task's controller gets.
+        control_dt: control period [s].
+        physics_dt: micro-step [s]; None means min(2e-4, control_dt); it must divide control_dt; "auto" takes the
+            longest that follows every joint that the variant may draw. What a step cannot follow is refused.
+        decimation: control ticks per environment step, at least 1, at most those of the episode.
+        duration: length of an episode [s], rounded to whole steps, at least one; at most MAX_TICKS control periods.
+        joints: motors and springs.
+        friction: LuGre parameters.
+        gains: PDGains or ImpedanceGains, as the task's controller needs.
+        sensors: "joint" = motor encoder and joint torque sensor; "motor" = the encoder alone: no tau_j, no theta_n, no
+            nominal feedback; "full" = a tachometer as well.
+        sensor_model: what the sensors make of the truth; None means the hardware's.
+        hardware: effects, in any variant; None means the task's in "hardware" and none elsewhere.
+        randomization: ranges from which "randomized" draws.
+    """
+
+    variant: str = "nominal"
+    action_mode: str = "compensation"
+    feedback: str = "measured"
+    control_dt: float = 1e-3
+    physics_dt: PhysicsDt = None
+    decimation: int = 1
+    duration: float | None = None
+    joints: FlexibleJoint | None = None
+    friction: LuGre | None = None
+    gains: PDGains | ImpedanceGains | None = None
+    sensors: str = "joint"
+    sensor_model: SensorModel | None = None
+    hardware: Hardware | None = None
+    randomization: Randomization | None = None
+
+    def __post_init__(self) -> None:
+        for name, allowed in (
+            ("variant", VARIANTS),
+            ("action_mode", ACTION_MODES),
+            ("feedback", FEEDBACKS),
+            ("sensors", tuple(TIERS)),
+        ):
+            choice(name, getattr(self, name), allowed)
+        for name, kind in (
+            ("joints", FlexibleJoint),
+            ("friction", LuGre),
+            ("randomization", Randomization),
+            ("sensor_model", SensorModel),
+            ("hardware", Hardware),
+        ):
+            instance(name, getattr(self, name), kind, none="the task's own")
+        for name in ("control_dt", "duration"):
+            value = getattr(self, name)
+            if value is not None or name == "control_dt":
+                number(name, value, POSITIVE, "s")
+        if not is_auto(self.physics_dt):
+            micro_steps(self.control_dt, self.physics_dt)
+        whole_number("decimation", self.decimation, 1)
+        if self.sensors == "motor" and self.feedback == "nominal":
+            raise ValueError("feedback 'nominal' needs the torque sensor that sensors='motor' lacks; use 'measured'")
+
+    @classmethod
+    def of(cls, arguments: Mapping[str, Any]) -> Settings:
+        """The settings from keyword arguments. Raises TypeError for an unknown one, naming those there are."""
+        only("keyword argument", arguments, [each.name for each in fields(cls)])
+        return cls(**arguments)
+
+    def effects(self, task: Task) -> Hardware | None:
+        """The hardware's effects; None where there are none."""
+        hardware = task.hardware if self.hardware is None and self.variant == "hardware" else self.hardware
+        if self.sensor_model is not None:
+            hardware = replace(hardware or Hardware(), sensors=self.sensor_model)
+        return hardware
+
+    @property
+    def step_dt(self) -> float:
+        """Time of one environment step [s]."""
+        return self.control_dt * self.decimation
+
+    def ticks(self, task: Task) -> int:
+        """Control ticks in an episode; a multiple of `decimation`, at least one step.
+
+        Raises:
+            ValueError: there are more than MAX_TICKS, or a step is longer than the episode.
+        """
+        seconds = task.duration if self.duration is None else self.duration
+        if seconds / self.control_dt > MAX_TICKS:
+            raise ValueError(
+                f"duration is {shown(seconds)} s, more than {MAX_TICKS} periods of control_dt = {self.control_dt:g} s; "
+                f"give a duration of at most {MAX_TICKS * self.control_dt:g} s, or a longer control_dt"
+            )
+        periods = max(1, round(seconds / self.control_dt))
+        if self.decimation > periods:
+            raise ValueError(
+                f"decimation is {shown(self.decimation)}, but an episode of {seconds:g} s has {periods} control "
+                f"period(s); give a decimation of at most {periods}, or a longer duration"
+            )
+        steps = round(seconds / self.step_dt)
+        return max(1, steps) * int(self.decimation)

@@ -1,0 +1,279 @@
+"""A batch of episodes: plant, task, nominal motor and observation, without Gymnasium."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fo_gym.checks import instance
+from fo_gym.control.nominal_motor import NominalMotor
+from fo_gym.hardware import HardwareDraw
+from fo_gym.hardware.model import HardwareModel
+from fo_gym.parameters import JointInfo, per_joint
+from fo_gym.plant import FlexibleJointPlant
+from fo_gym.signals import SIGNALS, TIERS
+from fo_gym.simulation.kernels import INSIDE, LOST, OUTSIDE, rewards, torques, whereabouts
+from fo_gym.simulation.pushes import Pushes
+from fo_gym.simulation.settings import Settings
+from fo_gym.simulation.state import Origin, SimulationState
+from fo_gym.simulation.steps import followed_dt
+from fo_gym.tasks.control import make_control
+from fo_gym.tasks.options import Limits, Options
+from fo_gym.tasks.scenario import Scenario
+from fo_gym.tasks.task import Task, draw_scenario
+
+Array = NDArray[np.float64]
+Ids = NDArray[np.intp]
+
+ROUGHNESS_WEIGHT = 0.1
+
+JOINT_LIMIT = "joint_limit"
+NON_FINITE = "non_finite"
+
+
+__all__ = ["JOINT_LIMIT", "NON_FINITE", "Simulation"]
+
+
+class Simulation:
+    """`num_envs` episodes of one task, advanced together.
+
+    Args:
+        task: what is to be done.
+        num_envs: size of the batch.
+        settings: how it is run.
+
+    Attributes:
+        scenarios: the current episode of each environment.
+        ticks: control ticks since reset, (num_envs,).
+        effects: the hardware's, or None.
+        available: names of the signals that the sensors provide.
+        hardware: the plant with its hardware's effects: what is measured.
+        limits: of what the options of a reset may ask for.
+    """
+
+    def __init__(self, task: Task, num_envs: int, settings: Settings) -> None:
+        self.task = task if settings.randomization is None else replace(task, randomization=settings.randomization)
+        self.settings = settings
+        self.last_tick = settings.ticks(task)
+        self.dof = task.robot.dof
+        self.joints = per_joint(task.joints if settings.joints is None else settings.joints, self.dof)
+        self.friction = task.friction if settings.friction is None else settings.friction
+        self.plant = FlexibleJointPlant(
+            task.robot,
+            num_envs,
+            joints=self.joints,
+            friction=self.friction,
+            control_dt=settings.control_dt,
+            physics_dt=followed_dt(self.task, settings, self.joints, self.friction),
+        )
+        self.num_envs = num_envs = self.plant.num_envs
+        self.control = make_control(task, self.plant, task.gains if settings.gains is None else settings.gains)
+        self.nominal_motor = NominalMotor(num_envs, self.dof, settings.control_dt)
+        self.effects = settings.effects(self.task)
+        self.available = TIERS[settings.sensors]
+        limit, tachometer = np.asarray(self.joints.torque_limit), settings.sensors == "full"
+        self.hardware = HardwareModel(self.plant, self.effects, limit, tachometer=tachometer)
+        self.scenarios: list[Scenario] = [
+            draw_scenario(task, "nominal", self.joints, self.friction, np.random.default_rng(0))
+        ] * num_envs
+        self.ticks = np.zeros(num_envs, dtype=np.int64)
+        model = self.plant.body.model
+        limited = model.jnt_limited.astype(bool)
+        self._low = np.where(limited, model.jnt_range[:, 0], -np.inf)
+        self._high = np.where(limited, model.jnt_range[:, 1], np.inf)
+        seconds = self.last_tick * settings.control_dt
+        self.limits = Limits(task.robot.joints, self._low, self._high, seconds, takes_target=task.step is not None)
+        if settings.variant != "nominal":
+            self.limits.check_draws(self.task)
+        self._origin = Origin.of(task, num_envs, settings, self.effects)
+        self._where = np.full(num_envs, INSIDE)
+        self._compensates = settings.action_mode == "compensation"
+        shape = (num_envs, self.dof)
+        self.tau_c = np.zeros(shape)
+        self.tau_m = np.zeros(shape)
+        self.tau_ext = np.zeros(shape)
+        self.tau_f = np.zeros(shape)
+        self._pushes = Pushes(num_envs, self.dof)
+
+    @property
+    def observation_size(self) -> int:
+        """Length of one environment's observation."""
+        return len(SIGNALS) * self.dof + 1 + self.control.reference.shape[1]
+
+    @property
+    def joint_info(self) -> JointInfo:
+        """What a compensator may know; arrays are (num_envs, dof)."""
+        return JointInfo(
+            dof=self.dof,
+            motor_inertia=self.hardware.motor_inertia.copy(),
+            stiffness=np.array([scenario.believed.stiffness for scenario in self.scenarios]),
+            torque_limit=np.broadcast_to(self.joints.torque_limit, (self.num_envs, self.dof)).copy(),
+            control_dt=self.settings.step_dt,
+        )
+
+    def reset(self, ids: Ids, generators: Sequence[np.random.Generator], options: Options | None = None) -> None:
+        """Start new episodes in the named environments, each drawn from its own generator; `limits` reads options."""
+        variant, effects = self.settings.variant, self.effects
+        scenarios = [
+            draw_scenario(self.task, variant, self.joints, self.friction, generator, effects)
+            for generator in generators
+        ]
+        if options is not None:
+            scenarios = [options.applied_to(scenario) for scenario in scenarios]
+        for i, scenario in zip(ids, scenarios, strict=True):
+            self._configure(int(i), scenario)
+        self.plant.reset(ids, np.array([scenario.q_start for scenario in scenarios]))
+        self.control.reset(ids, scenarios)
+        self.ticks[ids] = 0
+        held = self.hardware.begin(ids, *_drawn(scenarios))
+        self.nominal_motor.reset(ids, self.hardware.theta[ids], self.hardware.theta_dot[ids])
+        self._update_control()
+        # At rest in equilibrium the motor has been holding the spring: the first roughness counts from there.
+        self.tau_m[ids] = held
+        self.tau_ext[ids] = 0.0
+        self.tau_f[ids] = 0.0
+
+    def _configure(self, i: int, scenario: Scenario) -> None:
+        self.scenarios[i] = scenario
+        self.plant.configure(
+            np.array([i]), joints=scenario.joints, friction=scenario.friction, mass_scale=scenario.mass_scale
+        )
+        self._pushes.set(i, scenario.push)
+
+    def _update_control(self) -> None:
+        """The reference and the controller at the current ticks."""
+        self.control.update(self.ticks)
+        motor = self.nominal_motor if self.settings.feedback == "nominal" else self.hardware
+        self.tau_c = self.control.torque(motor.theta, motor.theta_dot)
+
+    def step(self, action: Array) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_], dict[int, str]]:
+        """Hold `action` (num_envs, dof) for `decimation` control ticks.
+
+        Returns:
+            reward (num_envs,); terminated; truncated; why the terminated ones ended, by environment.
+        """
+        limit = self.joints.torque_limit
+        previous = self.tau_m
+        reasons: dict[int, str] = {}
+        sums = np.zeros((3, self.num_envs, self.dof))
+        for _ in range(self.settings.decimation):
+            tau_m, tau_ext = self._torques(action)
+            before = self.plant.snapshot()
+            self.hardware.step(tau_m, tau_ext, self.ticks)
+            self.nominal_motor.step(self.tau_c, self.hardware.tau_j, self.hardware.motor_inertia)
+            self.ticks += 1
+            if not whereabouts(self.plant.motion, self._low, self._high, self._where):
+                self._find_ends(before, reasons)
+            sums += (tau_m, tau_ext, self.plant.tau_f)
+            self.hardware.look()
+            self._update_control()
+        self.tau_m, self.tau_ext, self.tau_f = sums / self.settings.decimation
+        distance = self.control.distance(self.plant)
+        reward = rewards(self.tau_m, previous, limit, distance, self.task.accuracy, ROUGHNESS_WEIGHT)
+        terminated = np.zeros(self.num_envs, dtype=bool)
+        if reasons:
+            terminated[list(reasons)] = True
+        return reward, terminated, (self.ticks >= self.last_tick) & ~terminated, reasons
+
+    def _torques(self, action: Array) -> tuple[Array, Array]:
+        """What motors and pushes apply over the coming control period."""
+        pushes, settings = self._pushes, self.settings
+        tau_m, tau_ext = torques(
+            self.ticks,
+            settings.control_dt,
+            pushes.time,
+            pushes.duration,
+            pushes.torque,
+            self.tau_c,
+            action,
+            self.joints.torque_limit,
+            self._compensates,
+        )
+        return self.hardware.command(tau_m), tau_ext
+
+    def _find_ends(self, before: Array, reasons: dict[int, str]) -> None:
+        """Note environments that left the joint range or the finite numbers; put the latter back to `before`."""
+        for i in np.flatnonzero(self._where == LOST):
+            reasons.setdefault(int(i), NON_FINITE)
+            self.plant.restore(int(i), before)
+        for i in np.flatnonzero(self._where == OUTSIDE):
+            reasons.setdefault(int(i), JOINT_LIMIT)
+
+    def observation(self) -> Array:
+        """What the joints measure and compute at the coming tick, (num_envs, observation_size); see Signals."""
+        hardware, nominal = self.hardware, self.nominal_motor
+        blocks = [hardware.theta, hardware.theta_dot, hardware.tau_j, nominal.theta, nominal.theta_dot]
+        blocks += [self.control.theta_d, self.tau_c, self.tau_m]
+        if len(self.available) < len(SIGNALS):
+            nothing = np.zeros_like(self.tau_c)
+            for place, name in enumerate(SIGNALS):
+                blocks[place] = blocks[place] if name in self.available else nothing
+        time = self.ticks[:, None] * self.settings.control_dt
+        return np.concatenate([*blocks, time, self.control.reference], axis=1)
+
+    def truth(self) -> dict[str, Array]:
+        """Privileged truth for scoring and plotting, (num_envs, dof) each.
+
+        theta, theta_dot, q, q_dot, z at the new tick; tau_m and tau_ext as applied and tau_f, their means over the past
+        step.
+        """
+        q, q_dot, theta, theta_dot, z = self.plant.snapshot()
+        return {
+            "theta": theta,
+            "theta_dot": theta_dot,
+            "q": q,
+            "q_dot": q_dot,
+            "z": z,
+            "tau_m": self.tau_m.copy(),
+            "tau_ext": self.tau_ext.copy(),
+            "tau_f": self.tau_f.copy(),
+        }
+
+    def get_state(self) -> SimulationState:
+        """A copy of everything that the next step depends on, except the random generators."""
+        nominal = self.nominal_motor
+        return SimulationState(
+            self._origin,
+            self.plant.get_state(),
+            tuple(self.scenarios),
+            nominal.theta.copy(),
+            nominal.theta_dot.copy(),
+            self.ticks.copy(),
+            self.tau_m.copy(),
+            self.tau_ext.copy(),
+            self.tau_f.copy(),
+            self.hardware.get_state(),
+        )
+
+    def set_state(self, state: SimulationState) -> None:
+        """Continue from a copy of `state`, exactly.
+
+        Raises:
+            ValueError: the state is of another environment, or a field of it has another shape or kind of value;
+                nothing has changed then.
+        """
+        instance("state", state, SimulationState)
+        state.check(self._origin, self.limits, self.last_tick)
+        self.plant.check_state(state.plant)
+        self.hardware.check_state(state.hardware)
+        everyone = np.arange(self.num_envs)
+        for i, scenario in enumerate(state.scenarios):
+            self._configure(i, scenario)
+        self.control.reset(everyone, state.scenarios)
+        self.plant.set_state(state.plant)
+        self.tau_f = np.array(state.tau_f, dtype=np.float64)
+        self.nominal_motor.reset(everyone, state.theta_n, state.theta_n_dot)
+        self.ticks = np.array(state.ticks, dtype=np.int64)
+        self.tau_m = np.array(state.tau_m, dtype=np.float64)
+        self.tau_ext = np.array(state.tau_ext, dtype=np.float64)
+        self.hardware.set_state(state.hardware, *_drawn(state.scenarios))
+        self._update_control()
+
+
+def _drawn(scenarios: Sequence[Scenario]) -> tuple[Array, list[HardwareDraw | None]]:
+    """What the hardware needs to know of new episodes: B as it is believed, (n, dof), and what was drawn."""
+    inertia = np.array([scenario.believed.motor_inertia for scenario in scenarios])
+    return inertia, [scenario.hardware for scenario in scenarios]
