@@ -132,26 +132,28 @@ class PDGains:
         check_values(self, kp=POSITIVE, kd=NOT_NEGATIVE)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ImpedanceGains:
-    """Impedance in task space: tool position, tool orientation, elbow (the third joint's angle).
+    """Impedance in task space: tool position, tool orientation, and the elbow: the joints that are redundant.
 
     Attributes:
         kp_position, kd_position: [N/m], [N s/m].
-        kp_orientation, kd_orientation: [N m/rad], [N m s/rad].
-        kp_elbow, kd_elbow: [N m/rad], [N m s/rad].
+        kp_orientation, kd_orientation: [N m/rad], [N m s/rad]; without effect where the position alone is controlled.
+        kp_elbow, kd_elbow: [N/m | N m/rad], [N s/m | N m s/rad], one value or one for each redundant joint; without
+            effect where there is none.
     """
 
     kp_position: float
     kd_position: float
     kp_orientation: float
     kd_orientation: float
-    kp_elbow: float
-    kd_elbow: float
+    kp_elbow: Value
+    kd_elbow: Value
 
     def __post_init__(self) -> None:
-        for part in ("position", "orientation", "elbow"):
+        for part in ("position", "orientation"):
             check_numbers(self, **{f"kp_{part}": POSITIVE, f"kd_{part}": NOT_NEGATIVE})
+        check_values(self, kp_elbow=POSITIVE, kd_elbow=NOT_NEGATIVE)
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,8 +24,9 @@ TREES = {module: ast.parse(path.read_text(encoding="utf-8")) for module, path in
 # Data flows one way: a part imports from its own and from those before it. Parts on one line are equals that do not
 # know each other.
 FLOW = (
-    ("envs_assets", "fo_gym.checks", "fo_gym.extras", "fo_gym.instructions", "fo_gym.text", "fo_gym.toml"),
-    ("fo_gym.generators", "fo_gym.parameters", "fo_gym.signals"),
+    ("fo_gym.robots",),
+    ("fo_gym.plant",),
+    ("fo_gym.hardware",),
     ("fo_gym.plant",),
     ("fo_gym.hardware",),
     ("fo_gym.control",),

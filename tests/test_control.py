@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import gymnasium as gym
 import mujoco
 import numpy as np
@@ -99,13 +101,13 @@ class Cases:
         self.stiffness = STIFFNESS * rng.uniform(0.7, 1.4, (count, 7))
         position, rotation, _ = plain.tool(plain.home)
         position = position + rng.normal(0.0, 0.1, (count, 3))
-        self.setpoint = TaskSetpoint(position, rng.normal(size=(count, 3)), rotation, 0.1)
+        self.setpoint = TaskSetpoint(position, rng.normal(size=(count, 3)), rotation, np.array([0.1]))
 
     def torque(self, gains=GAINS, rows=slice(None)):
         """What the controller answers to these rows in one batch."""
         position, velocity, *constant = self.setpoint
         theta = self.theta[rows]
-        law = Impedance(gains, RigidBody(ROBOT, len(theta)), ELBOW)
+        law = Impedance(gains, RigidBody(ROBOT, len(theta)), [ELBOW])
         setpoint = TaskSetpoint(position[rows], velocity[rows], *constant)
         return law.torque(theta, self.theta_dot[rows], self.stiffness[rows], np.ones((len(theta), 1)), setpoint)
 
@@ -135,6 +137,25 @@ def test_impedance_is_its_formula(plain):
         angle = np.linalg.norm(turn)
         assert 0.02 < angle < 0.2
         np.testing.assert_allclose(found[i], expected, rtol=0.0, atol=10.0 * angle**3 / 6.0 + 1e-6)
+
+
+def test_impedance_of_the_position_alone_holds_four_joints(plain):
+    """Without orientation the moment is missing, and every redundant joint has its own spring and damper."""
+    cases = Cases(plain, spread=0.05)
+    held, kp, kd = [1, 2, 4, 6], np.array([5.0, 15.0, 7.0, 9.0]), np.array([1.0, 3.0, 2.0, 4.0])
+    angles = np.array([0.5, 0.1, -0.2, 0.3])
+    law = Impedance(replace(GAINS, kp_elbow=kp, kd_elbow=kd), RigidBody(ROBOT, len(cases.theta)), held, oriented=False)
+    setpoint = cases.setpoint._replace(held=angles)
+    found = law.torque(cases.theta, cases.theta_dot, cases.stiffness, np.ones((len(cases.theta), 1)), setpoint)
+    for i, (theta, theta_dot) in enumerate(zip(cases.theta, cases.theta_dot, strict=True)):
+        position, _, jacobian = plain.tool(theta)
+        rate = jacobian[:3] @ theta_dot - setpoint.velocity[i]
+        expected = jacobian[:3].T @ (-1000.0 * (position - setpoint.position[i]) - 200.0 * rate)
+        expected += plain.held(theta, cases.stiffness[i])
+        expected[held] -= kp * (theta[held] - angles) + kd * theta_dot[held]
+        np.testing.assert_allclose(found[i], expected, rtol=0.0, atol=1e-6)
+    with pytest.raises(ValueError, match=r"kp_elbow has shape \(4,\)"):
+        Impedance(law.gains, law.body, [2])
 
 
 def test_impedance_row_by_row(plain):
@@ -173,7 +194,7 @@ def test_square_is_smooth():
 
 @pytest.fixture(scope="module")
 def table(plain):
-    return path_table(ROBOT, SQUARE, plain.home, 1e-3)
+    return path_table(ROBOT, SQUARE, plain.home, 1e-3, ["joint3"])
 
 
 def test_inverse_kinematics_of_the_square(plain, table):
@@ -185,7 +206,7 @@ def test_inverse_kinematics_of_the_square(plain, table):
     np.testing.assert_allclose(table.rotation, home_rotation, rtol=0.0, atol=1e-12)
     np.testing.assert_allclose(table.q_d[[0, -1]], [plain.home, plain.home], rtol=0.0, atol=1e-9)
     np.testing.assert_allclose(table.q_d[:, ELBOW], plain.home[ELBOW], rtol=0.0, atol=1e-9)
-    assert table.elbow == plain.home[ELBOW]
+    assert table.held == plain.home[[ELBOW]]
     smallest = np.inf
     for i in range(0, 5001, 10):
         position, rotation, jacobian = plain.tool(table.q_d[i])
@@ -201,10 +222,12 @@ def test_inverse_kinematics_of_the_square(plain, table):
 def test_paths_out_of_reach_are_refused(plain):
     far = SquarePath(side=3.0, duration=5.0, first=(1.0, 0.0, 0.0), second=(0.0, 0.0, -1.0))
     with pytest.raises(ValueError, match="out of reach"):
-        path_table(ROBOT, far, plain.home, 0.05)
+        path_table(ROBOT, far, plain.home, 0.05, ["joint3"])
     rail = Robot(asset_path("single_link"), ("joint",))
-    with pytest.raises(ValueError, match="needs a robot with 7 joints; this one has 1"):
-        path_table(rail, SQUARE, np.zeros(1), 1e-3)
+    with pytest.raises(ValueError, match="needs a robot with a tool"):
+        path_table(rail, SQUARE, np.zeros(1), 1e-3, [])
+    with pytest.raises(ValueError, match=r"7 joints needs 1 of \('joint1'"):
+        path_table(ROBOT, SQUARE, plain.home, 1e-3, [])
 
 
 def test_friction_free_motion_stays_near_the_reference():

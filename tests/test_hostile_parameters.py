@@ -24,8 +24,10 @@ PER_JOINT = (
     hardware.LinkFriction(coulomb=0.1, viscous=0.1, width=0.01),
     hardware.GearRipple(amplitude=0.1, period=0.1),
 )
+IMPEDANCE = fo_gym.ImpedanceGains(100.0, 10.0, 10.0, 1.0, 10.0, 1.0)
+OF_THE_TOOL = tuple(field.name for field in fields(IMPEDANCE) if "elbow" not in field.name)
+OF_THE_ELBOW = ("kp_elbow", "kd_elbow")
 SINGLE = (
-    fo_gym.ImpedanceGains(100.0, 10.0, 10.0, 1.0, 10.0, 1.0),
     hardware.CommandDelay(1e-3),
     hardware.TorqueSaturation(),
     hardware.LoadFriction(0.1),
@@ -48,11 +50,13 @@ def attacks(owner: object, values: tuple[object, ...], skipped: tuple[str, ...] 
 def test_values_per_joint() -> None:
     bad = (*NO_ARRAYS, math.nan, -math.inf, -1.0, 10**5000, [], np.ones((2, 2)), [1.0, math.nan])
     check_refused(attack for owner in PER_JOINT for attack in attacks(owner, bad))
+    check_refused(attacks(IMPEDANCE, bad, OF_THE_TOOL))
 
 
 def test_single_numbers() -> None:
     bad = (*NO_NUMBERS, None, math.nan, math.inf, -1.0, 10**5000, [1.0], np.ones(1), np.array(1.0))
     check_refused(attack for owner in SINGLE for attack in attacks(owner, bad))
+    check_refused(attacks(IMPEDANCE, bad, OF_THE_ELBOW))
     rest = ("start",)
     check_refused(attacks(hardware.Temperature(), bad, rest))
     check_refused(("Randomization.start", each, lambda each: fo_gym.Randomization(start=each)) for each in bad)

@@ -29,7 +29,9 @@ def test_bad_parameters_are_refused_by_name(kind: type, name: str, bad: float) -
         kind(**{**GOOD[kind], name: bad})
 
 
-@pytest.mark.parametrize(("kind", "name"), [pair for pair in FIELDS if pair[0] is not ImpedanceGains])
+@pytest.mark.parametrize(
+    ("kind", "name"), [pair for pair in FIELDS if pair[0] is not ImpedanceGains or "elbow" in pair[1]]
+)
 def test_one_bad_joint_is_enough(kind: type, name: str) -> None:
     values = np.full(3, GOOD[kind][name])
     kind(**{**GOOD[kind], name: values.copy()})

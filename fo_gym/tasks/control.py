@@ -14,12 +14,16 @@ from fo_gym.control.impedance import Impedance, TaskSetpoint
 from fo_gym.control.motor_pd import MotorPD
 from fo_gym.parameters import ImpedanceGains, PDGains
 from fo_gym.plant import FlexibleJointPlant, Robot
-from fo_gym.tasks.path import ELBOW, PathTable, SquarePath, path_table
+from fo_gym.robots.poses import tool_rows
+from fo_gym.tasks.path import PathTable, SquarePath, path_table
 from fo_gym.tasks.scenario import Scenario
 from fo_gym.tasks.task import Task
 
 Array = NDArray[np.float64]
 Ids = NDArray[np.intp]
+
+REDUNDANT = ("joint3",)
+"""Redundant joint of the shipped arm."""
 
 __all__ = ["PathControl", "StepControl", "TaskControl", "make_control"]
 
@@ -103,7 +107,7 @@ def _believed(scenarios: Sequence[Scenario]) -> tuple[Array, Array]:
 
 @lru_cache(maxsize=8)
 def _cached_table(robot: Robot, path: SquarePath, q_start: tuple[float, ...], dt: float) -> PathTable:
-    return path_table(robot, path, np.array(q_start), dt)
+    return path_table(robot, path, np.array(q_start), dt, REDUNDANT)
 
 
 class PathControl:
@@ -113,7 +117,8 @@ class PathControl:
         assert task.path is not None
         self.table = _cached_table(plant.robot, task.path, tuple(task.q_start.tolist()), plant.control_dt)
         self._plant = plant
-        self._law = Impedance(gains, plant.body, ELBOW)
+        held = [plant.robot.joints.index(name) for name in REDUNDANT]
+        self._law = Impedance(gains, plant.body, held, oriented=tool_rows(plant.robot.dof) == 6)
         self._mass_scale = np.ones((plant.num_envs, 1))
         self._mass = np.ones((plant.num_envs, 1))
         self._stiffness = plant.stiffness.copy()
@@ -137,7 +142,7 @@ class PathControl:
     def torque(self, theta: Array, theta_dot: Array) -> Array:
         """See TaskControl."""
         table = self.table
-        setpoint = TaskSetpoint(self.reference, table.velocity[self._row], table.rotation, table.elbow)
+        setpoint = TaskSetpoint(self.reference, table.velocity[self._row], table.rotation, table.held)
         return self._law.torque(theta, theta_dot, self._stiffness, self._mass, setpoint)
 
     def distance(self, plant: FlexibleJointPlant) -> Array:
