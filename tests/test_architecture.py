@@ -24,11 +24,12 @@ TREES = {module: ast.parse(path.read_text(encoding="utf-8")) for module, path in
 # Data flows one way: a part imports from its own and from those before it. Parts on one line are equals that do not
 # know each other.
 FLOW = (
+    ("envs_assets", "fo_gym.checks", "fo_gym.extras", "fo_gym.instructions", "fo_gym.text", "fo_gym.toml"),
+    ("fo_gym.generators", "fo_gym.parameters", "fo_gym.signals"),
+    ("fo_gym.hardware",),
     ("fo_gym.robots",),
     ("fo_gym.plant",),
-    ("fo_gym.hardware",),
-    ("fo_gym.plant",),
-    ("fo_gym.hardware",),
+    ("fo_gym.hardware.model",),
     ("fo_gym.control",),
     ("fo_gym.tasks",),
     ("fo_gym.simulation",),
@@ -53,6 +54,8 @@ MODERN_RANDOM = {"Generator", "BitGenerator", "SeedSequence", "default_rng", "PC
 
 def part_of(module: str) -> str:
     """The entry of FLOW that a module belongs to."""
+    if module in LEVEL:
+        return module
     names = module.split(".")
     if names[0] != "fo_gym" or len(names) == 1:
         return names[0]
