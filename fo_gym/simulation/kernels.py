@@ -71,17 +71,16 @@ def whereabouts(state, low, high, where):
 
 
 @njit(cache=True, error_model="numpy")
-def rewards(tau_m, previous, limit, distance, accuracy, weight):
+def rewards(tau_m, previous, limit, distance, weight):
     """Closeness (1 - weight roughness), (num_envs,).
 
-    closeness = 1 / (1 + distance / accuracy); roughness is the mean change of tau_m over joints as a share of the
+    closeness = 1 / (1 + distance); roughness is the mean change of tau_m over joints as a share of the
     torque limit, at most 1.
 
     Args:
         tau_m, previous: motor torque of this and of the last step, (num_envs, dof).
         limit: torque limits, (dof,).
-        distance: from the reference, (num_envs,).
-        accuracy: distance of half closeness.
+        distance: from the reference, (num_envs,), in units of the one of half closeness.
         weight: of roughness.
     """
     num_envs, dof = tau_m.shape
@@ -90,5 +89,5 @@ def rewards(tau_m, previous, limit, distance, accuracy, weight):
         change = 0.0
         for j in range(dof):
             change += abs(tau_m[i, j] - previous[i, j]) / limit[j]
-        reward[i] = (1.0 - weight * min(change / dof, 1.0)) / (1.0 + distance[i] / accuracy)
+        reward[i] = (1.0 - weight * min(change / dof, 1.0)) / (1.0 + distance[i])
     return reward

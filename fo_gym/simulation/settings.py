@@ -9,9 +9,10 @@ from typing import Any
 from fo_gym.checks import POSITIVE, choice, instance, number, only, shown, whole_number
 from fo_gym.hardware import Hardware, SensorModel
 from fo_gym.parameters import FlexibleJoint, ImpedanceGains, LuGre, PDGains
+from fo_gym.robots import Robot, RobotLike, robot_of
 from fo_gym.plant.steps import PhysicsDt, is_auto, micro_steps
 from fo_gym.signals import TIERS
-from fo_gym.tasks.task import Randomization, Task
+from fo_gym.tasks.task import Randomization, Task, TaskLike
 from fo_gym.tasks.variants import VARIANTS
 
 ACTION_MODES = ("compensation", "torque")
@@ -25,9 +26,10 @@ __all__ = ["ACTION_MODES", "FEEDBACKS", "MAX_TICKS", "Settings"]
 
 @dataclass(frozen=True, eq=False)
 class Settings:
-    """How an environment is run. What is None comes from the task.
+    """How an environment is run. What is None comes from the robot or the task.
 
     Attributes:
+        robot: a `fo_gym.Robot`, the name of a shipped one, or a file: robot.toml, MJCF (.xml) or URDF (.urdf).
         variant: "nominal" (no randomness), "randomized" (parameters drawn per episode from the seed) or "hardware"
             (randomized, and imperfect sensors, commands, joints and models, see `fo_gym.Hardware`).
         action_mode: "compensation" (action = tau_f_hat; tau_m = tau_c - tau_f_hat) or "torque" (action = tau_m).
@@ -47,6 +49,7 @@ class Settings:
         randomization: ranges from which "randomized" draws.
     """
 
+    robot: RobotLike | None = None
     variant: str = "nominal"
     action_mode: str = "compensation"
     feedback: str = "measured"
@@ -94,9 +97,32 @@ class Settings:
         only("keyword argument", arguments, [each.name for each in fields(cls)])
         return cls(**arguments)
 
-    def effects(self, task: Task) -> Hardware | None:
+    def applied_to(self, robot: RobotLike, task: TaskLike) -> tuple[Robot, Task]:
+        """What is simulated: robot and task with these settings, the task fitted to the robot.
+
+        The robot's hardware is then what the variant has of it. Nothing else looks at both, settings and robot or task.
+
+        Args:
+            robot: the environment's own.
+            task: likewise, or a function that makes one for a robot.
+
+        Raises:
+            ValueError: the robot cannot be had, or the task does not suit it.
+        """
+        own = robot_of(robot if self.robot is None else self.robot)
+        given = {"flexible": self.joints, "friction": self.friction}
+        own = replace(own, **{name: value for name, value in given.items() if value is not None})
+        made = task if isinstance(task, Task) else task(own)
+        instance("task", made, Task)
+        given = {name: getattr(self, name) for name in ("duration", "gains", "randomization")}
+        made = replace(made, **{name: value for name, value in given.items() if value is not None})
+        return replace(own, hardware=self._effects(own, made)), made.fitted_to(own)
+
+    def _effects(self, robot: Robot, task: Task) -> Hardware | None:
         """The hardware's effects; None where there are none."""
-        hardware = task.hardware if self.hardware is None and self.variant == "hardware" else self.hardware
+        hardware = self.hardware
+        if hardware is None and self.variant == "hardware":
+            hardware = replace(robot.hardware or Hardware(), push_time=task.push_time)
         if self.sensor_model is not None:
             hardware = replace(hardware or Hardware(), sensors=self.sensor_model)
         return hardware
@@ -112,7 +138,7 @@ class Settings:
         Raises:
             ValueError: there are more than MAX_TICKS, or a step is longer than the episode.
         """
-        seconds = task.duration if self.duration is None else self.duration
+        seconds = task.duration
         if seconds / self.control_dt > MAX_TICKS:
             raise ValueError(
                 f"duration is {shown(seconds)} s, more than {MAX_TICKS} periods of control_dt = {self.control_dt:g} s; "

@@ -12,7 +12,9 @@ from fo_gym.checks import instance
 from fo_gym.control.nominal_motor import NominalMotor
 from fo_gym.hardware import HardwareDraw
 from fo_gym.hardware.model import HardwareModel
-from fo_gym.parameters import JointInfo, per_joint
+from fo_gym.parameters import JointInfo
+from fo_gym.robots import RobotLike
+from fo_gym.robots.poses import joint_range
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.signals import SIGNALS, TIERS
 from fo_gym.simulation.kernels import INSIDE, LOST, OUTSIDE, rewards, torques, whereabouts
@@ -20,10 +22,10 @@ from fo_gym.simulation.pushes import Pushes
 from fo_gym.simulation.settings import Settings
 from fo_gym.simulation.state import Origin, SimulationState
 from fo_gym.simulation.steps import followed_dt
-from fo_gym.tasks.control import make_control
+from fo_gym.tasks.control import TaskControl
 from fo_gym.tasks.options import Limits, Options
 from fo_gym.tasks.scenario import Scenario
-from fo_gym.tasks.task import Task, draw_scenario
+from fo_gym.tasks.task import TaskLike, draw_scenario
 
 Array = NDArray[np.float64]
 Ids = NDArray[np.intp]
@@ -38,57 +40,57 @@ __all__ = ["JOINT_LIMIT", "NON_FINITE", "Simulation"]
 
 
 class Simulation:
-    """`num_envs` episodes of one task, advanced together.
+    """`num_envs` episodes of one robot and task, advanced together.
 
     Args:
-        task: what is to be done.
+        robot: the environment's own.
+        task: likewise, or a function that makes one for a robot.
         num_envs: size of the batch.
-        settings: how it is run.
+        settings: how it is run; they are applied to robot and task.
 
     Attributes:
+        robot, task: what is simulated, settings applied.
         scenarios: the current episode of each environment.
         ticks: control ticks since reset, (num_envs,).
-        effects: the hardware's, or None.
         available: names of the signals that the sensors provide.
         hardware: the plant with its hardware's effects: what is measured.
         limits: of what the options of a reset may ask for.
     """
 
-    def __init__(self, task: Task, num_envs: int, settings: Settings) -> None:
-        self.task = task if settings.randomization is None else replace(task, randomization=settings.randomization)
+    def __init__(self, robot: RobotLike, task: TaskLike, num_envs: int, settings: Settings) -> None:
+        self.robot, self.task = settings.applied_to(robot, task)
         self.settings = settings
-        self.last_tick = settings.ticks(task)
-        self.dof = task.robot.dof
-        self.joints = per_joint(task.joints if settings.joints is None else settings.joints, self.dof)
-        self.friction = task.friction if settings.friction is None else settings.friction
+        self.last_tick = settings.ticks(self.task)
+        self.dof = self.robot.dof
+        self.torque_limit = np.asarray(self.robot.flexible.torque_limit)
         self.plant = FlexibleJointPlant(
-            task.robot,
+            self.robot.link_side,
             num_envs,
-            joints=self.joints,
-            friction=self.friction,
+            joints=self.robot.flexible,
+            friction=self.robot.friction,
             control_dt=settings.control_dt,
-            physics_dt=followed_dt(self.task, settings, self.joints, self.friction),
+            physics_dt=followed_dt(self.robot, self.task, settings),
         )
         self.num_envs = num_envs = self.plant.num_envs
-        self.control = make_control(task, self.plant, task.gains if settings.gains is None else settings.gains)
+        self.control: TaskControl = self.task.reference.control(self.robot, self.plant, self.task.gains)
         self.nominal_motor = NominalMotor(num_envs, self.dof, settings.control_dt)
-        self.effects = settings.effects(self.task)
         self.available = TIERS[settings.sensors]
-        limit, tachometer = np.asarray(self.joints.torque_limit), settings.sensors == "full"
-        self.hardware = HardwareModel(self.plant, self.effects, limit, tachometer=tachometer)
-        self.scenarios: list[Scenario] = [
-            draw_scenario(task, "nominal", self.joints, self.friction, np.random.default_rng(0))
-        ] * num_envs
+        tachometer = settings.sensors == "full"
+        self.hardware = HardwareModel(self.plant, self.robot.hardware, self.torque_limit, tachometer=tachometer)
+        nominal = draw_scenario(replace(self.robot, hardware=None), self.task, "nominal", np.random.default_rng(0))
+        self.scenarios: list[Scenario] = [nominal] * num_envs
         self.ticks = np.zeros(num_envs, dtype=np.int64)
-        model = self.plant.body.model
-        limited = model.jnt_limited.astype(bool)
-        self._low = np.where(limited, model.jnt_range[:, 0], -np.inf)
-        self._high = np.where(limited, model.jnt_range[:, 1], np.inf)
-        seconds = self.last_tick * settings.control_dt
-        self.limits = Limits(task.robot.joints, self._low, self._high, seconds, takes_target=task.step is not None)
+        self._low, self._high = joint_range(self.plant.body.model)
+        self.limits = Limits(
+            self.robot.joints,
+            self._low,
+            self._high,
+            duration=self.last_tick * settings.control_dt,
+            takes_target=nominal.target is not None,
+        )
         if settings.variant != "nominal":
-            self.limits.check_draws(self.task)
-        self._origin = Origin.of(task, num_envs, settings, self.effects)
+            self.limits.check_draws(self.task, self.robot.home)
+        self._origin = Origin.of(self.robot, self.task, num_envs, settings)
         self._where = np.full(num_envs, INSIDE)
         self._compensates = settings.action_mode == "compensation"
         shape = (num_envs, self.dof)
@@ -110,17 +112,14 @@ class Simulation:
             dof=self.dof,
             motor_inertia=self.hardware.motor_inertia.copy(),
             stiffness=np.array([scenario.believed.stiffness for scenario in self.scenarios]),
-            torque_limit=np.broadcast_to(self.joints.torque_limit, (self.num_envs, self.dof)).copy(),
+            torque_limit=np.broadcast_to(self.torque_limit, (self.num_envs, self.dof)).copy(),
             control_dt=self.settings.step_dt,
         )
 
     def reset(self, ids: Ids, generators: Sequence[np.random.Generator], options: Options | None = None) -> None:
         """Start new episodes in the named environments, each drawn from its own generator; `limits` reads options."""
-        variant, effects = self.settings.variant, self.effects
-        scenarios = [
-            draw_scenario(self.task, variant, self.joints, self.friction, generator, effects)
-            for generator in generators
-        ]
+        variant = self.settings.variant
+        scenarios = [draw_scenario(self.robot, self.task, variant, generator) for generator in generators]
         if options is not None:
             scenarios = [options.applied_to(scenario) for scenario in scenarios]
         for i, scenario in zip(ids, scenarios, strict=True):
@@ -155,7 +154,6 @@ class Simulation:
         Returns:
             reward (num_envs,); terminated; truncated; why the terminated ones ended, by environment.
         """
-        limit = self.joints.torque_limit
         previous = self.tau_m
         reasons: dict[int, str] = {}
         sums = np.zeros((3, self.num_envs, self.dof))
@@ -171,8 +169,8 @@ class Simulation:
             self.hardware.look()
             self._update_control()
         self.tau_m, self.tau_ext, self.tau_f = sums / self.settings.decimation
-        distance = self.control.distance(self.plant)
-        reward = rewards(self.tau_m, previous, limit, distance, self.task.accuracy, ROUGHNESS_WEIGHT)
+        distance = self.control.distance(self.plant, self.task.reward_scale)
+        reward = rewards(self.tau_m, previous, self.torque_limit, distance, ROUGHNESS_WEIGHT)
         terminated = np.zeros(self.num_envs, dtype=bool)
         if reasons:
             terminated[list(reasons)] = True
@@ -189,7 +187,7 @@ class Simulation:
             pushes.torque,
             self.tau_c,
             action,
-            self.joints.torque_limit,
+            self.torque_limit,
             self._compensates,
         )
         return self.hardware.command(tau_m), tau_ext

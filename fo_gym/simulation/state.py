@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.checks import instance, real_array, shown, whole_array
-from fo_gym.hardware import Hardware
 from fo_gym.hardware.model import HardwareState
 from fo_gym.plant import PlantState
+from fo_gym.robots import Robot
 from fo_gym.simulation.settings import Settings
 from fo_gym.tasks.options import Limits
 from fo_gym.tasks.scenario import Scenario
@@ -29,8 +29,8 @@ class Origin:
     """What gives a state's numbers their meaning; how it goes on from there is the new environment's business.
 
     Attributes:
-        robot: name of the robot's file.
-        task: what it does there.
+        robot: its name.
+        task: what it does there: the reference.
         num_envs: size of the batch.
         variant, control_dt, decimation: see `Settings`.
         effects: names of the hardware's effects.
@@ -45,13 +45,13 @@ class Origin:
     effects: tuple[str, ...]
 
     @classmethod
-    def of(cls, task: Task, num_envs: int, settings: Settings, effects: Hardware | None) -> Origin:
+    def of(cls, robot: Robot, task: Task, num_envs: int, settings: Settings) -> Origin:
         """That of a simulation."""
+        effects = robot.hardware
         present = [] if effects is None else [name for name, part in vars(effects).items() if part is not None]
-        what = f"a path of {task.path.duration:g} s" if task.path else f"a step at {task.step_time:g} s"
         return cls(
-            robot=task.robot.path.name,
-            task=what,
+            robot=robot.name,
+            task=shown(task.reference),
             num_envs=num_envs,
             variant=settings.variant,
             control_dt=float(settings.control_dt),

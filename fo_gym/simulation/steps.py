@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fo_gym.parameters import FlexibleJoint, LuGre
+from fo_gym.robots import Robot
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.plant.steps import PhysicsDt, auto_steps, is_auto
 from fo_gym.simulation.settings import Settings
@@ -15,7 +15,7 @@ from fo_gym.tasks.task import Task, draw_scenario
 __all__ = ["followed_dt"]
 
 
-def followed_dt(task: Task, settings: Settings, joints: FlexibleJoint, friction: LuGre) -> PhysicsDt:
+def followed_dt(robot: Robot, task: Task, settings: Settings) -> PhysicsDt:
     """The micro-step that `settings` ask for [s]; None for the default.
 
     "auto" looks at the fastest joints within the variant's ranges, not at the draws of a batch: an environment takes
@@ -27,10 +27,10 @@ def followed_dt(task: Task, settings: Settings, joints: FlexibleJoint, friction:
     if not is_auto(settings.physics_dt):
         return settings.physics_dt
     ranges = replace(task, randomization=task.randomization.fastest)
-    fastest = draw_scenario(ranges, settings.variant, joints, friction, np.random.default_rng(0))
+    fastest = draw_scenario(robot, ranges, settings.variant, np.random.default_rng(0))
     dt, only = settings.control_dt, np.zeros(1, dtype=np.intp)
     plant = FlexibleJointPlant(
-        task.robot, 1, joints=fastest.joints, friction=fastest.friction, control_dt=dt, physics_dt="auto"
+        robot.link_side, 1, joints=fastest.joints, friction=fastest.friction, control_dt=dt, physics_dt="auto"
     )
     plant.configure(only, joints=fastest.joints, friction=fastest.friction, mass_scale=fastest.mass_scale)
-    return dt / max(plant.steps, auto_steps(plant.advise(only, task.q_start[None]), dt))
+    return dt / max(plant.steps, auto_steps(plant.advise(only, robot.home[None]), dt))

@@ -75,15 +75,16 @@ class Limits:
             push=self._push(options["push"]) if "push" in options else None,
         )
 
-    def check_draws(self, task: Task) -> None:
+    def check_draws(self, task: Task, home: Array) -> None:
         """Raise ValueError where an episode that is drawn could start or aim outside a joint's range."""
         spread = task.randomization
-        drawn = {"start": spread.start} | ({} if task.step is None else {"step": np.abs(task.step) * spread.step[1]})
+        farthest = task.reference.target(home, spread.step[1])
+        drawn = {"start": spread.start} | ({} if farthest is None else {"step": np.abs(farthest - home)})
         for name, reach in drawn.items():
-            for j in np.flatnonzero((task.q_start - reach < self.low) | (task.q_start + reach > self.high)):
+            for j in np.flatnonzero((home - reach < self.low) | (home + reach > self.high)):
                 raise ValueError(
                     f"Randomization.{name} is {getattr(spread, name)}: it takes joint {self.joints[j]!r} from "
-                    f"{task.q_start[j]:g} out of its range, {self.low[j]:g} to {self.high[j]:g}; give a smaller one"
+                    f"{home[j]:g} out of its range, {self.low[j]:g} to {self.high[j]:g}; give a smaller one"
                 )
 
     def _target(self, value: Any) -> Array:

@@ -1,16 +1,15 @@
-"""The tool path of the square task, and the joint angles that follow it."""
+"""Inverse kinematics: the joint positions that follow a tool's path."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.plant import Robot
 from fo_gym.plant.rigid_body import RigidBody, ToolPose
+from fo_gym.robots.link_side import LinkSide
 from fo_gym.robots.poses import tool_rows
 
 Array = NDArray[np.float64]
@@ -21,38 +20,21 @@ MAX_ROWS = 100_000
 MAX_RESIDUAL = 1e-9
 """By how much the inverse kinematics may miss the path at most [m | rad]."""
 
-__all__ = ["PathTable", "SquarePath", "ToolKinematics", "path_table"]
+__all__ = ["Path", "PathTable", "ToolKinematics", "path_table"]
 
 
-@dataclass(frozen=True)
-class SquarePath:
-    """A square in the plane of two directions, its four sides run through in turn, back to the start.
-
-    Each side follows s(x) = 10 x^3 - 15 x^4 + 6 x^5: smooth up to acceleration, at rest in the corners.
+class Path(Protocol):
+    """Where a tool is to go.
 
     Attributes:
-        side: length of a side [m].
-        duration: time for all four sides [s].
-        first: unit vector of the first side, in the world.
-        second: unit vector of the second side, at a right angle to the first.
+        duration: time that it takes [s].
     """
 
-    side: float
-    duration: float
-    first: tuple[float, float, float]
-    second: tuple[float, float, float]
+    @property
+    def duration(self) -> float: ...
 
     def at(self, time: Array) -> tuple[Array, Array]:
-        """Offset from the start [m] and velocity [m/s] at `time` (n,) [s], (n, 3) each; at rest after the end."""
-        side_time = self.duration / 4.0
-        progress = np.clip(np.asarray(time, dtype=np.float64) / side_time, 0.0, 4.0)
-        index = np.minimum(progress.astype(int), 3)
-        x = progress - index
-        directions = np.array([self.first, self.second, np.negative(self.first), np.negative(self.second)]) * self.side
-        corners = np.vstack([np.zeros(3), np.cumsum(directions, axis=0)])
-        along = x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
-        speed = 30.0 * x**2 * (1.0 - x) ** 2 / side_time
-        return corners[index] + along[:, None] * directions[index], speed[:, None] * directions[index]
+        """Offset from the start [m] and velocity [m/s] at `time` (n,) [s], (n, 3) each."""
 
 
 class PathTable(NamedTuple):
@@ -101,7 +83,7 @@ class ToolKinematics:
         ValueError: the robot has no tool or too few joints for a tool path, or `redundant` are not as many as it needs.
     """
 
-    def __init__(self, robot: Robot, q_start: Array, redundant: Sequence[str], count: int) -> None:
+    def __init__(self, robot: LinkSide, q_start: Array, redundant: Sequence[str], count: int) -> None:
         self.rows = tool_rows(robot.dof)
         if robot.tool is None:
             raise ValueError("a tool path needs a robot with a tool; name a site, a body or a link of its file")
@@ -149,7 +131,7 @@ class ToolKinematics:
         return q, np.abs(residual).max(axis=1)
 
 
-def path_table(robot: Robot, path: SquarePath, q_start: Array, dt: float, redundant: Sequence[str]) -> PathTable:
+def path_table(robot: LinkSide, path: Path, q_start: Array, dt: float, redundant: Sequence[str]) -> PathTable:
     """Tabulate `path` from the tool pose at q_start, with a tick every dt seconds.
 
     Args:

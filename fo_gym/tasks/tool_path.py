@@ -1,0 +1,154 @@
+"""A path of the tool: a square, under task-space impedance."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fo_gym.checks import POSITIVE, number, real_array, shown
+from fo_gym.control.design import designed_impedance
+from fo_gym.control.impedance import Impedance, TaskSetpoint
+from fo_gym.parameters import ImpedanceGains
+from fo_gym.plant import FlexibleJointPlant
+from fo_gym.robots import LinkSide, Robot
+from fo_gym.robots.poses import tool_rows
+from fo_gym.tasks.control import believed
+from fo_gym.tasks.kinematics import PathTable, path_table
+from fo_gym.tasks.scenario import Scenario
+from fo_gym.tasks.square_fit import fitted_square
+
+Array = NDArray[np.float64]
+Ids = NDArray[np.intp]
+Direction = tuple[float, float, float]
+
+__all__ = ["ToolPath", "ToolPathControl"]
+
+
+@dataclass(frozen=True)
+class ToolPath:
+    """A square in the plane of two directions, its four sides run through in turn, back to the start.
+
+    Each side follows s(x) = 10 x^3 - 15 x^4 + 6 x^5: smooth up to acceleration, at rest in the corners.
+
+    Attributes:
+        duration: time for all four sides [s].
+        side: length of a side [m]; None for one that suits the robot.
+        first: unit vector of the first side, in the world; None for a plane that suits the robot.
+        second: unit vector of the second side, at a right angle to the first; None where `first` is.
+    """
+
+    duration: float
+    side: float | None = None
+    first: Direction | None = None
+    second: Direction | None = None
+
+    of_tool = True
+    step_time = None
+
+    def __post_init__(self) -> None:
+        number("ToolPath.duration", self.duration, POSITIVE, "s")
+        if self.side is not None:
+            number("ToolPath.side", self.side, POSITIVE, "m")
+        if (self.first is None) != (self.second is None):
+            raise ValueError(
+                f"ToolPath.first is {shown(self.first)} and ToolPath.second is {shown(self.second)}; give both, or none"
+            )
+        if self.first is not None:
+            plane = np.array([real_array(f"ToolPath.{name}", getattr(self, name), (3,)) for name in ("first", "second")])
+            if not np.allclose(plane @ plane.T, np.eye(2), rtol=0.0, atol=1e-9):
+                raise ValueError(
+                    f"ToolPath.first is {self.first} and ToolPath.second is {self.second}; give two unit vectors at a "
+                    "right angle"
+                )
+
+    @property
+    def motion_window(self) -> tuple[float, float]:
+        """(start, end) [s] in which it moves."""
+        return 0.0, self.duration
+
+    def fitted_to(self, robot: Robot) -> ToolPath:
+        """The same with side and plane chosen for a robot. Raises ValueError, saying why, where there is no square."""
+        if self.side is not None and self.first is not None:
+            return self
+        side, first, second = fitted_square(robot, self.duration, self.side, self.first, self.second)
+        return replace(self, side=side, first=first, second=second)
+
+    def target(self, home: Array, share: Array | float = 1.0) -> None:
+        """None: the path says where the links go."""
+
+    def designed_gains(self, robot: Robot) -> ImpedanceGains:
+        """The robot's own impedance gains, or designed ones."""
+        return robot.impedance_gains or designed_impedance(robot)
+
+    def control(self, robot: Robot, plant: FlexibleJointPlant, gains: ImpedanceGains) -> ToolPathControl:
+        """Impedance along the path."""
+        return ToolPathControl(self, robot, plant, gains)
+
+    def at(self, time: Array) -> tuple[Array, Array]:
+        """Offset from the start [m] and velocity [m/s] at `time` (n,) [s], (n, 3) each; at rest after the end."""
+        assert self.first is not None and self.second is not None and self.side is not None, "fitted_to comes first"
+        side_time = self.duration / 4.0
+        progress = np.clip(np.asarray(time, dtype=np.float64) / side_time, 0.0, 4.0)
+        index = np.minimum(progress.astype(int), 3)
+        x = progress - index
+        directions = np.array([self.first, self.second, np.negative(self.first), np.negative(self.second)]) * self.side
+        corners = np.vstack([np.zeros(3), np.cumsum(directions, axis=0)])
+        along = x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
+        speed = 30.0 * x**2 * (1.0 - x) ** 2 / side_time
+        return corners[index] + along[:, None] * directions[index], speed[:, None] * directions[index]
+
+
+@lru_cache(maxsize=8)
+def _cached_table(
+    link_side: LinkSide, path: ToolPath, home: tuple[float, ...], dt: float, redundant: tuple[str, ...]
+) -> PathTable:
+    return path_table(link_side, path, np.array(home), dt, redundant)
+
+
+class ToolPathControl:
+    """Impedance along a tool path."""
+
+    def __init__(self, path: ToolPath, robot: Robot, plant: FlexibleJointPlant, gains: ImpedanceGains) -> None:
+        home = tuple(robot.home.tolist())
+        self.table = _cached_table(robot.link_side, path, home, plant.control_dt, robot.redundant)
+        held = [robot.joints.index(name) for name in robot.redundant]
+        self._law = Impedance(gains, plant.body, held, oriented=tool_rows(robot.dof) == 6)
+        self._mass_scale = np.ones((plant.num_envs, 1))
+        self._mass = np.ones((plant.num_envs, 1))
+        self._stiffness = plant.stiffness.copy()
+        self._row = np.zeros(plant.num_envs, dtype=np.int64)
+        self.theta_d = np.zeros((plant.num_envs, robot.dof))
+        self.reference = np.zeros((plant.num_envs, 3))
+        self.path = self.table.position
+
+    def reset(self, ids: Ids, scenarios: Sequence[Scenario]) -> None:
+        """See TaskControl."""
+        self._mass[ids], self._stiffness[ids] = believed(scenarios)
+        self._mass_scale[ids, 0] = [scenario.mass_scale for scenario in scenarios]
+        self._mass_scale[ids] *= self._mass[ids]
+
+    def update(self, ticks: NDArray[np.int64]) -> None:
+        """See TaskControl."""
+        self._row = np.minimum(ticks, len(self.table.q_d) - 1)
+        gravity = self.table.gravity[self._row] * self._mass_scale
+        self.theta_d = self.table.q_d[self._row] + gravity / self._stiffness
+        self.reference = self.table.position[self._row]
+
+    def torque(self, theta: Array, theta_dot: Array) -> Array:
+        """See TaskControl."""
+        table = self.table
+        setpoint = TaskSetpoint(self.reference, table.velocity[self._row], table.rotation, table.held)
+        return self._law.torque(theta, theta_dot, self._stiffness, self._mass, setpoint)
+
+    def distance(self, plant: FlexibleJointPlant, scale: Any) -> Array:
+        """See TaskControl."""
+        error = plant.body.tool_position(plant.q) - self.reference
+        return np.sqrt(np.add.reduce(error * error, axis=1)) / scale
+
+    def desired_links(self, i: int) -> None:
+        """See TaskControl."""
