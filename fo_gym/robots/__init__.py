@@ -1,1 +1,7 @@
-"""Robots: link sides, what is designed for them, and what follows for control."""
+"""Robots: any MJCF or URDF file made into links, flexible joints, friction and a pose to start from."""
+
+from fo_gym.robots.link_side import LinkSide
+from fo_gym.robots.report import Line, Report
+from fo_gym.robots.robot import Robot
+
+__all__ = ["Line", "LinkSide", "Report", "Robot"]

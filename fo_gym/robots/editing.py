@@ -1,0 +1,228 @@
+"""From a file's model to its link side: what is no link goes, joints that are not driven are welded where they stand.
+
+The inertia of every body is made its own first, so that geoms and meshes can go without changing it. Then the file's
+whole model is compiled once, with balls in the place of meshes: it tells what joints and actuators there are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from fo_gym.robots.file import mujoco_errors
+from fo_gym.robots.meshes import has_its_mesh, note_missing
+from fo_gym.robots.report import Notes
+
+Array = NDArray[np.float64]
+
+_OFF = int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT | mujoco.mjtDisableBit.mjDSBL_CONTACT)
+
+# What is deleted, in an order in which nothing refers to what is gone.
+_NO_LINKS = (
+    "skins",
+    "sensors",
+    "actuators",
+    "equalities",
+    "tendons",
+    "pairs",
+    "excludes",
+    "flexes",
+    "keys",
+    "tuples",
+    "texts",
+    "numerics",
+)
+_LOOKS = ("geoms", "meshes", "hfields", "materials", "textures", "cameras", "lights")
+
+HINGE, SLIDE = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
+
+__all__ = ["HINGE", "SLIDE", "compile_whole", "counts", "link_side_of"]
+
+
+def counts(spec: mujoco.MjSpec) -> dict[str, int]:
+    """How many there are of each kind of element that a link side has not."""
+    return {kind: len(getattr(spec, kind)) for kind in (*_NO_LINKS, "plugins") if len(getattr(spec, kind))}
+
+
+def compile_whole(spec: mujoco.MjSpec, file: Path, notes: Notes, *, pictures: bool = False) -> mujoco.MjModel:
+    """Compile the file as it stands, every body's inertia its own; skins and flexes go, and meshes without `pictures`.
+
+    Args:
+        spec: what was read, changed in place.
+        file: for errors, and to find meshes.
+        notes: gets what was dropped.
+        pictures: whether meshes stay, where they are found.
+
+    Raises:
+        ValueError: MuJoCo does not compile it, or a mass is to come from a mesh that is not there.
+    """
+    for kind in ("skins", "flexes", "sensors"):
+        _delete(spec, kind)
+    missing = {mesh.name for mesh in spec.meshes if not has_its_mesh(mesh, file)}
+    infer_all = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
+    spec.compiler.inertiafromgeom = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_AUTO
+    meshes_of = {body.name: {geom.meshname for geom in body.geoms if geom.meshname} for body in spec.bodies}
+    for body in spec.bodies[1:]:
+        if body.geoms and (infer_all or not body.explicitinertial):
+            without = meshes_of[body.name] & missing
+            if without:
+                raise ValueError(
+                    f"{file}: body {body.name!r} has no <inertial>, and its mesh {sorted(without)} is not found; "
+                    "give it an <inertial>, or put the mesh where the file says"
+                )
+            body.explicitinertial = False
+            with mujoco_errors(file, f"find the inertia of body {body.name!r}"):
+                spec.adopt_inertial(body)
+    spec.compiler.inertiafromgeom = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_FALSE
+    note_missing(missing, notes)
+    for geom in spec.geoms:
+        if (geom.meshname and (not pictures or geom.meshname in missing)) or geom.hfieldname:
+            _make_ball(geom)
+    for mesh in list(spec.meshes):
+        if not pictures or mesh.name in missing:
+            spec.delete(mesh)
+    if not pictures:
+        for shown in (*spec.geoms, *spec.sites, *spec.tendons):
+            shown.material = ""
+        for kind in ("hfields", "materials", "textures"):
+            _delete(spec, kind)
+    return _compiled(spec, file, notes)
+
+
+def _compiled(spec: mujoco.MjSpec, file: Path, notes: Notes) -> mujoco.MjModel:
+    try:
+        return spec.compile()
+    except ValueError as error:
+        if "A + B >= C" not in str(error):
+            with mujoco_errors(file, "compile it"):
+                raise
+    spec.compiler.balanceinertia = True
+    notes.assumed("inertia", "one that no body has (A + B < C) was balanced: its three values became their mean")
+    with mujoco_errors(file, "compile it"):
+        return spec.compile()
+
+
+def _delete(spec: mujoco.MjSpec, kind: str) -> None:
+    for element in list(getattr(spec, kind)):
+        spec.delete(element)
+
+
+def _make_ball(geom: mujoco.MjsGeom) -> None:
+    """In the place of a mesh that is not shown, so that what refers to the geom still finds it."""
+    geom.type, geom.meshname, geom.hfieldname = mujoco.mjtGeom.mjGEOM_SPHERE, "", ""
+    geom.size, geom.rgba, geom.material = [1e-3, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0], ""
+
+
+def link_side_of(
+    spec: mujoco.MjSpec,
+    whole: mujoco.MjModel,
+    joints: tuple[str, ...],
+    frozen: Mapping[str, float],
+    *,
+    pictures: bool = False,
+) -> mujoco.MjModel:
+    """The link side: `joints` alone move, the others are welded; no contacts, constraints, armature, dry friction.
+
+    Args:
+        spec: what `compile_whole` left, changed in place.
+        whole: what it compiled.
+        joints: those that stay.
+        frozen: where joints are welded [m | rad]; others at the file's own reference.
+        pictures: whether geoms, cameras and lights stay.
+    """
+    for kind in _NO_LINKS:
+        _delete(spec, kind)
+    for kind in () if pictures else _LOOKS:
+        _delete(spec, kind)
+    _plain_joints(spec, whole, joints)
+    for joint in list(spec.joints):
+        if joint.name not in joints:
+            spec.delete(joint)
+    spec.option.disableflags |= _OFF
+    spec.option.enableflags = 0
+    model = spec.compile()
+    if _weld(model, whole, joints, frozen):
+        spec.copy_back(model)
+        model = spec.compile()
+    return model
+
+
+def _plain_joints(spec: mujoco.MjSpec, whole: mujoco.MjModel, joints: tuple[str, ...]) -> None:
+    """Motors have the armature, friction is the plant's; springs and dampers of the file stay, at their own values."""
+    for name in joints:
+        joint, whole_joint = spec.joint(name), whole.joint(name)
+        joint.armature, joint.frictionloss, joint.actgravcomp = 0.0, 0.0, False
+        if np.any(joint.springdamper):
+            joint.springdamper = [0.0, 0.0]
+            joint.stiffness = [float(whole_joint.stiffness[0]), 0.0, 0.0]
+            joint.damping = [float(whole_joint.damping[0]), 0.0, 0.0]
+
+
+class _Motion:
+    """A rigid motion x -> rotation x + shift, rotation as a unit quaternion."""
+
+    def __init__(self, rotation: Any, shift: Any) -> None:
+        self.rotation, self.shift = np.array(rotation, dtype=np.float64), np.array(shift, dtype=np.float64)
+
+    @classmethod
+    def of_joint(cls, model: mujoco.MjModel, joint: int, value: float) -> _Motion:
+        """Of a hinge or a slide, in the frame of its body, at `value`."""
+        axis, moved = model.jnt_axis[joint], value - model.qpos0[model.jnt_qposadr[joint]]
+        if model.jnt_type[joint] == SLIDE:
+            return cls([1.0, 0.0, 0.0, 0.0], moved * axis)
+        turn = np.zeros(4)
+        mujoco.mju_axisAngle2Quat(turn, axis, moved)
+        about = cls(turn, np.zeros(3))
+        return cls(turn, model.jnt_pos[joint] - about.point(model.jnt_pos[joint]))
+
+    def point(self, x: Array) -> Array:
+        """Where a point goes."""
+        return self.direction(x) + self.shift
+
+    def direction(self, x: Array) -> Array:
+        """Where a vector goes."""
+        moved = np.zeros(3)
+        mujoco.mju_rotVecQuat(moved, x, self.rotation)
+        return moved
+
+    def after(self, first: _Motion) -> _Motion:
+        """`first`, then this one."""
+        rotation = np.zeros(4)
+        mujoco.mju_mulQuat(rotation, self.rotation, first.rotation)
+        mujoco.mju_normalize4(rotation)
+        return _Motion(rotation, self.point(first.shift))
+
+    def inverse(self) -> _Motion:
+        """The way back."""
+        back = _Motion(self.rotation * [1.0, -1.0, -1.0, -1.0], np.zeros(3))
+        back.shift = -back.direction(self.shift)
+        return back
+
+
+def _weld(model: mujoco.MjModel, whole: mujoco.MjModel, joints: tuple[str, ...], frozen: Mapping[str, float]) -> bool:
+    """Move bodies to where frozen joints hold them, in place; True where one moved.
+
+    A body's joints turn it one after the other, T_0 F_1 R_2(q) F_3: welding 1 and 3 leaves T_0 F_1 F_3 and R_2 with its
+    axis as seen after F_3.
+    """
+    moved = False
+    for body in range(1, whole.nbody):
+        first, count = int(whole.body_jntadr[body]), int(whole.body_jntnum[body])
+        weld = _Motion([1.0, 0.0, 0.0, 0.0], np.zeros(3))
+        for joint in reversed(range(first, first + count)):
+            name = whole.joint(joint).name
+            if name in joints:
+                kept, back = model.joint(name), weld.inverse()
+                kept.axis[:], kept.pos[:] = back.direction(kept.axis), back.point(kept.pos)
+            elif frozen.get(name, 0.0) != whole.qpos0[whole.jnt_qposadr[joint]] and name in frozen:
+                weld = _Motion.of_joint(whole, joint, frozen[name]).after(weld)
+                moved = True
+        if np.any(weld.rotation[1:]) or np.any(weld.shift):
+            place = _Motion(model.body_quat[body], model.body_pos[body]).after(weld)
+            model.body_quat[body], model.body_pos[body] = place.rotation, place.shift
+    return moved

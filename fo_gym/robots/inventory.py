@@ -1,0 +1,68 @@
+"""What else a file holds, and what became of it: the lines of a report that nothing has to be decided for."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from fo_gym.robots.editing import counts
+from fo_gym.robots.report import Notes
+from fo_gym.robots.survey import Survey
+
+Array = NDArray[np.float64]
+
+_WHY = {
+    "actuators": "motors are the plant's; torque limits, rotor inertia and damping are taken from them",
+    "equalities": "what they bind is welded or moves by itself",
+    "tendons": "no pull, spring or coupling of theirs is kept",
+    "pairs": "there are no contacts",
+    "excludes": "there are no contacts",
+    "keys": "poses by name, for home=",
+    "tuples": "not needed",
+    "texts": "not needed",
+    "numerics": "not needed",
+    "plugins": "not needed",
+}
+
+__all__ = ["note_the_rest"]
+
+
+def _listed(facts: Survey, values: Array) -> str:
+    return ", ".join(f"{name} {value:g}" for name, value in zip(facts.names, values, strict=True) if value > 0.0)
+
+
+def note_the_rest(
+    spec: mujoco.MjSpec,
+    whole: mujoco.MjModel,
+    facts: Survey,
+    notes: Notes,
+    *,
+    friction_given: bool,
+    flexible_given: bool,
+) -> None:
+    """Write down what became of masses, springs, dampers, motors' numbers, and of what a link side has not."""
+    notes.taken("masses", f"{whole.nbody - 1} bodies, {float(whole.body_mass.sum()):.4g} kg")
+    if np.any(facts.armature > 0.0):
+        kind = notes.dropped if flexible_given else notes.taken
+        kind("armature", f"[kg m^2 | kg] {_listed(facts, facts.armature)}: the motors' inertia B, no part of the links")
+    if np.any(facts.frictionloss > 0.0):
+        kind = notes.dropped if friction_given else notes.taken
+        kind("frictionloss", f"[N m | N] {_listed(facts, facts.frictionloss)}: dry friction of the motors")
+    if np.any(facts.torque_limit > 0.0):
+        kind = notes.dropped if flexible_given else notes.taken
+        kind("torque limits", f"[N m | N] {_listed(facts, facts.torque_limit)}")
+    if np.any(facts.damping > 0.0):
+        notes.taken("damping", f"{_listed(facts, facts.damping)}: dampers between the links")
+    if np.any(whole.jnt_stiffness):
+        notes.taken("springs of the file", "act on the links")
+    if np.any(whole.body_gravcomp):
+        notes.taken("gravcomp", "the weight of bodies is balanced, as the file says")
+    if whole.opt.density > 0.0 or whole.opt.viscosity > 0.0:
+        notes.taken("medium", "its drag acts on the links")
+    if not np.any(whole.opt.gravity):
+        notes.taken("gravity", "none, as the file says")
+    for elements, count in counts(spec).items():
+        notes.dropped(elements, f"{count}: {_WHY[elements]}")
+    if np.any(whole.geom_contype) or np.any(whole.geom_conaffinity):
+        notes.dropped("contacts", "links go through each other and through the world")

@@ -1,0 +1,63 @@
+"""Where a file's meshes are: beside it, in the folders it names, or in the package that it asks for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import mujoco
+
+from fo_gym.robots.report import Notes
+
+READABLE = {".stl", ".obj", ".msh"}
+"""Endings of the meshes that MuJoCo reads."""
+
+_UPWARDS = 6
+"""How many folders above the file are searched for a package."""
+
+__all__ = ["READABLE", "find_mesh", "has_its_mesh", "note_missing"]
+
+
+def _candidates(name: str, file: Path, folder: str) -> Iterator[Path]:
+    scheme, found, rest = name.partition("://")
+    if not found:
+        scheme, rest = "", name
+    if scheme in ("package", "model"):
+        package, _, inside = rest.partition("/")
+        for parent in list(file.parents)[:_UPWARDS]:
+            yield parent / rest
+            if parent.name == package:
+                yield parent / inside
+    elif scheme in ("", "file"):
+        path = Path(rest)
+        yield path if path.is_absolute() else file.parent / folder / path
+        yield file.parent / path
+        yield file.parent / folder / path.name
+
+
+def find_mesh(name: str, file: Path, folder: str = "") -> Path | None:
+    """The file of a mesh, or None where there is none that MuJoCo reads.
+
+    Args:
+        name: as the robot's file gives it; `package://` is searched beside the file and upwards.
+        file: the robot's file.
+        folder: where it says that meshes are.
+    """
+    if Path(name).suffix.lower() not in READABLE:
+        return None
+    try:
+        return next((path for path in _candidates(name, file, folder) if path.is_file()), None)
+    except (OSError, ValueError):  # names that no file can have
+        return None
+
+
+def has_its_mesh(mesh: mujoco.MjsMesh, file: Path) -> bool:
+    """Whether a mesh of an MJCF file is there: in the file itself, or as a file of its own."""
+    return not mesh.file or find_mesh(mesh.file, file, mesh.compiler.meshdir or "") is not None
+
+
+def note_missing(missing: set[str], notes: Notes) -> None:
+    """Write down which meshes pictures do without."""
+    if missing:
+        few = ", ".join(sorted(missing)[:3]) + (", ..." if len(missing) > 3 else "")
+        notes.dropped("meshes", f"{len(missing)} not found, or not STL, OBJ or MSH, and left out of pictures: {few}")

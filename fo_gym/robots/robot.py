@@ -1,0 +1,112 @@
+"""A robot as one object: its links, its flexible joints, their friction, where it starts and what it works with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from os import PathLike
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fo_gym.checks import instance, only, real_array, text
+from fo_gym.hardware import Hardware
+from fo_gym.parameters import FlexibleJoint, LuGre, per_joint
+from fo_gym.robots.link_side import LinkSide
+from fo_gym.robots.making import made_from_file
+from fo_gym.robots.report import Report
+
+Array = NDArray[np.float64]
+
+__all__ = ["Robot"]
+
+
+@dataclass(frozen=True, eq=False)
+class Robot:
+    """A robot with flexible joints, or any other arm made into one; `Robot.from_file` makes it of MJCF or URDF.
+
+    Attributes:
+        name: what tables call it.
+        link_side: its links, from a file.
+        units: of each joint's position, "rad" or "m".
+        flexible: motor and spring of each joint, arrays (dof,).
+        friction: of each motor, arrays (dof,).
+        home: where it starts (dof,) [m | rad], within the range of every joint.
+        redundant: joints whose angles a task-space controller holds, beside the tool.
+        hardware: what sets it apart from its model, or None.
+        identified: a model of its friction that compensators may use, arrays (dof,); None where nobody identified it.
+        report: what was taken from the file, dropped, assumed.
+    """
+
+    name: str
+    link_side: LinkSide
+    units: tuple[str, ...]
+    flexible: FlexibleJoint
+    friction: LuGre
+    home: Array
+    redundant: tuple[str, ...] = ()
+    hardware: Hardware | None = None
+    identified: LuGre | None = None
+    report: Report = field(default_factory=Report)
+
+    def __post_init__(self) -> None:
+        text("Robot.name", self.name)
+        instance("Robot.link_side", self.link_side, LinkSide)
+        instance("Robot.flexible", self.flexible, FlexibleJoint)
+        instance("Robot.friction", self.friction, LuGre)
+        instance("Robot.hardware", self.hardware, Hardware, none="none")
+        instance("Robot.identified", self.identified, LuGre, none="none known")
+        for name in ("flexible", "friction", "identified"):
+            value = getattr(self, name)
+            object.__setattr__(self, name, None if value is None else per_joint(value, self.dof))
+        object.__setattr__(self, "home", real_array("Robot.home", self.home, (self.dof,)))
+        if self.hardware is not None:
+            self.hardware.check_joints(self.dof)
+        only("redundant joint", self.redundant, self.joints)
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the flexible joints."""
+        return self.link_side.joints
+
+    @property
+    def dof(self) -> int:
+        """Number of flexible joints."""
+        return self.link_side.dof
+
+    @property
+    def tool(self) -> str | None:
+        """Name of the tool's site or body."""
+        return self.link_side.tool
+
+    @classmethod
+    def from_file(
+        cls,
+        path: str | PathLike[str],
+        *,
+        joints: tuple[str, ...] | None = None,
+        tool: str | None = None,
+        home: str | Array | None = None,
+        flexible: FlexibleJoint | None = None,
+        friction: LuGre | None = None,
+        hardware: Hardware | None = None,
+        redundant: tuple[str, ...] | None = None,
+    ) -> Robot:
+        """Make a robot of an MJCF or URDF file; what is not given is taken from it, or designed. See `report`.
+
+        Args:
+            path: the file.
+            joints: names of the flexible joints, in the file's order; None for all that turn or slide, but those that
+                the file binds to others, and those of things beside the robot. The others are welded at home.
+            tool: name of a site or a body (URDF: link); None for the end of the longest chain of the joints.
+            home: (dof,) [m | rad], a keyframe's name, or None: the keyframe "home" where there is one, or a pose in
+                the middle of the ranges.
+            flexible: motors and springs; None for those of `fo_gym.robots.design`.
+            friction: of the motors; None likewise.
+            hardware: for the "hardware" variant of environments.
+            redundant: joints whose angles a task-space controller holds; None to choose them.
+
+        Raises:
+            FileNotFoundError: there is no such file.
+            ValueError: the file is broken, or has not what is named; what there is, is told.
+        """
+        return cls(**made_from_file(path, joints, tool, home, flexible, friction, hardware, redundant))
