@@ -19,24 +19,29 @@ from typing import Any
 import numpy as np
 
 import fo_gym
-from fo_gym.envs.arm import ARM_FRICTION
-from fo_gym.envs.regulation import REGULATION
-from fo_gym.envs.square import SQUARE
-from fo_gym.envs.stiction import STICTION
 from fo_gym.plant.kernel import PARAMETERS
+from fo_gym.robots import robot_of
 from fo_gym.simulation.settings import Settings
 from fo_gym.simulation.simulation import Simulation
-from fo_gym.tasks.task import Task
+from fo_gym.tasks.regulation import regulation
+from fo_gym.tasks.square import square
+from fo_gym.tasks.stiction import stiction
+from fo_gym.tasks.task import TaskLike
 
-UNDAMPED = {"friction": replace(STICTION.friction, sigma_1=0.0), "physics_dt": "auto"}
+UNDAMPED = {"friction": replace(robot_of("single_link").friction, sigma_1=0.0), "physics_dt": "auto"}
 """A bristle without damping: the default step cannot follow it."""
 
-CASES: dict[str, tuple[Task, dict[str, Any]]] = {
-    f"{name}-{variant}{'-undamped' if more else ''}": (task, {"variant": variant, **more})
-    for name, task, undamped in (
-        ("stiction", STICTION, UNDAMPED),
-        ("regulation", REGULATION, UNDAMPED | {"friction": replace(ARM_FRICTION, sigma_1=0.0)}),
-        ("square", SQUARE, None),
+CASES: dict[str, tuple[str, TaskLike, dict[str, Any]]] = {
+    f"{name}-{variant}{'-undamped' if more else ''}": (robot, task, {"variant": variant, **more})
+    for name, robot, task, undamped in (
+        ("stiction", "single_link", stiction, UNDAMPED),
+        (
+            "regulation",
+            "miro_like",
+            regulation,
+            UNDAMPED | {"friction": replace(robot_of("miro_like").friction, sigma_1=0.0)},
+        ),
+        ("square", "miro_like", square, None),
     )
     for variant in ("randomized", "hardware")
     for more in ({}, undamped)
@@ -104,11 +109,11 @@ class Account:
 
 def search(case: str, micro_steps: float, joints: int = JOINTS, seed: int = 0) -> Result:
     """Episodes of a case under random waves of torque until so many joint micro-steps are taken."""
-    task, arguments = CASES[case]
-    num_envs = joints // task.robot.dof
-    simulation = Simulation(task, num_envs, Settings(action_mode="torque", **arguments))
+    robot, task, arguments = CASES[case]
+    num_envs = joints // robot_of(robot).dof
+    simulation = Simulation(robot, task, num_envs, Settings(action_mode="torque", **arguments))
     rng, everyone, dof = np.random.default_rng(seed), np.arange(num_envs), simulation.dof
-    account, limit = Account(simulation), np.asarray(simulation.joints.torque_limit)
+    account, limit = Account(simulation), np.asarray(simulation.torque_limit)
     size, rate, phase, holding = (np.zeros((num_envs, dof)) for _ in range(4))
 
     def begin(ids: np.ndarray) -> None:

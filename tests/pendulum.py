@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from fo_gym.parameters import FRICTIONLESS, FlexibleJoint, LuGre
-from fo_gym.plant import FlexibleJointPlant, Robot
+from fo_gym.plant import FlexibleJointPlant
+from fo_gym.robots import LinkSide
 
 JOINTS = FlexibleJoint(stiffness=3000.0, damping=0.0, motor_inertia=1.0, torque_limit=100.0)
 FRICTION = LuGre(sigma_0=1e4, sigma_1=1e2, sigma_2=0.4, f_c=1.0, f_s=1.5, v_s=5e-3)
@@ -36,20 +37,20 @@ PENDULUM = """
   {rest}
 </mujoco>
 """
-MakeRobot = Callable[..., Robot]
+MakeRobot = Callable[..., LinkSide]
 
 
 def write_pendulum(
     folder: Path, shoulder: str = "", elbow: str = 'axis="0 1 0"', elbow_type: str = "hinge", **parts: str
-) -> Robot:
+) -> LinkSide:
     """Write the pendulum, with the given attributes of its joints, and name its joints."""
     values = {"world": "", "rest": "", **parts}
     path = folder / "pendulum.xml"
     path.write_text(PENDULUM.format(shoulder=shoulder, elbow=elbow, elbow_type=elbow_type, **values))
-    return Robot(path, ("shoulder", "elbow"))
+    return LinkSide(path, ("shoulder", "elbow"))
 
 
-def plant_of(robot: Robot, num_envs: int = 1, friction: LuGre = FRICTION, **options: Any) -> FlexibleJointPlant:
+def plant_of(robot: LinkSide, num_envs: int = 1, friction: LuGre = FRICTION, **options: Any) -> FlexibleJointPlant:
     plant = FlexibleJointPlant(robot, num_envs, joints=JOINTS, friction=friction, **options)
     plant.reset(np.arange(num_envs), POSE)
     return plant
@@ -65,7 +66,7 @@ def drive(plant: FlexibleJointPlant, ticks: int, start: int = 0) -> np.ndarray:
     return np.array(history)
 
 
-def varied(robot: Robot) -> FlexibleJointPlant:
+def varied(robot: LinkSide) -> FlexibleJointPlant:
     """Three environments with masses, friction and poses of their own, in mid-motion."""
     plant = plant_of(robot, num_envs=3)
     plant.configure(np.array([1]), joints=replace(JOINTS, damping=3.0), friction=FRICTIONLESS, mass_scale=1.7)

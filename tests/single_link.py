@@ -6,8 +6,8 @@ from dataclasses import replace
 
 from envs_assets import asset_path
 from fo_gym.parameters import FlexibleJoint, LuGre
-from fo_gym.plant import Robot
 from fo_gym.reproduction.reference import SingleLink
+from fo_gym.robots import LinkSide
 
 JOINT = FlexibleJoint(stiffness=3000.0, damping=0.0, motor_inertia=1.0, torque_limit=100.0)
 PAPER = LuGre(sigma_0=1e5, sigma_1=1e5**0.5, sigma_2=0.4, f_c=1.0, f_s=1.5, v_s=1e-3)
@@ -25,7 +25,7 @@ CASES: dict[str, dict[str, float]] = {
     "no-friction": {},
 }
 TARGET = 0.01
-SLIDER = Robot(asset_path("single_link"), ("joint",))
+SLIDER = LinkSide(asset_path("single_link"), ("joint",))
 """1 kg on a slide, without gravity along it."""
 
 

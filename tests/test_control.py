@@ -8,6 +8,7 @@ import gymnasium as gym
 import mujoco
 import numpy as np
 import pytest
+from fo_gym.tasks.path import SquarePath, path_table
 from scipy.optimize import root
 from scipy.spatial.transform import Rotation
 
@@ -17,12 +18,11 @@ from fo_gym.control.impedance import Impedance, TaskSetpoint
 from fo_gym.control.motor_pd import MotorPD
 from fo_gym.control.nominal_motor import NominalMotor
 from fo_gym.parameters import ImpedanceGains, PDGains
-from fo_gym.plant import Robot
 from fo_gym.plant.rigid_body import RigidBody
-from fo_gym.tasks.path import SquarePath, path_table
+from fo_gym.robots import LinkSide
 
 STICTION_ID, REGULATION_ID, SQUARE_ID = "FJRStiction-v0", "FJRRegulation-v0", "FJRSquare-v0"
-ROBOT = Robot(asset_path("miro_like"), tuple(f"joint{i}" for i in range(1, 8)), tool="tool")
+ROBOT = LinkSide(asset_path("miro_like"), tuple(f"joint{i}" for i in range(1, 8)), tool="tool")
 STIFFNESS = np.array([6000.0, 6000.0, 5000.0, 5000.0, 3000.0, 3000.0, 3000.0])
 GAINS = ImpedanceGains(1000.0, 200.0, 10.0, 2.0, 15.0, 3.0)
 ELBOW = 2
@@ -223,7 +223,7 @@ def test_paths_out_of_reach_are_refused(plain):
     far = SquarePath(side=3.0, duration=5.0, first=(1.0, 0.0, 0.0), second=(0.0, 0.0, -1.0))
     with pytest.raises(ValueError, match="out of reach"):
         path_table(ROBOT, far, plain.home, 0.05, ["joint3"])
-    rail = Robot(asset_path("single_link"), ("joint",))
+    rail = LinkSide(asset_path("single_link"), ("joint",))
     with pytest.raises(ValueError, match="needs a robot with a tool"):
         path_table(rail, SQUARE, np.zeros(1), 1e-3, [])
     with pytest.raises(ValueError, match=r"7 joints needs 1 of \('joint1'"):

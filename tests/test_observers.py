@@ -19,8 +19,7 @@ from baselines.kimchung2015 import kimchung
 from baselines.l1_observer import l1
 from baselines.letien2008 import letien_high, letien_low
 from baselines.lugre1995 import IDENTIFIED, MISIDENTIFIED, MISMATCH, lugre_nominal, lugre_off
-from fo_gym.envs.arm import ARM_FRICTION
-from fo_gym.envs.stiction import STICTION
+from fo_gym.robots import robot_of
 
 NEW = (
     kimchung,
@@ -122,7 +121,9 @@ def test_search_space_names_gains_of_the_constructor(make):
 # The robots that the model-based ones know.
 
 
-@pytest.mark.parametrize(("dof", "friction"), [(1, STICTION.friction), (7, ARM_FRICTION)])
+@pytest.mark.parametrize(
+    ("dof", "friction"), [(1, robot_of("single_link").friction), (7, robot_of("miro_like").friction)]
+)
 def test_identified_parameters_are_the_environments(dof, friction):
     for field, factor in zip(fields(friction), MISMATCH, strict=True):
         true = getattr(friction, field.name)

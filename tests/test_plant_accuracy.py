@@ -19,13 +19,14 @@ from scipy.integrate import ODEintWarning
 
 from envs_assets import asset_path
 from fo_gym.parameters import FlexibleJoint, LuGre
-from fo_gym.plant import FlexibleJointPlant, Robot
+from fo_gym.plant import FlexibleJointPlant
 from fo_gym.plant.steps import PhysicsDt
 from fo_gym.reproduction.reference import Control, SingleLink, sampled
+from fo_gym.robots import LinkSide
 
 DT = 1e-3
 TOLERANCE, TWIN = 1e-3, 1e-5
-SLIDER = Robot(asset_path("single_link"), joints=("joint",))
+SLIDER = LinkSide(asset_path("single_link"), joints=("joint",))
 
 
 def log_uniform(low: float, high: float) -> st.SearchStrategy[float]:

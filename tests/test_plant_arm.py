@@ -7,11 +7,11 @@ import pytest
 
 from envs_assets import asset_path
 from fo_gym.parameters import FRICTIONLESS, FlexibleJoint, LuGre
-from fo_gym.plant import FlexibleJointPlant, Robot
-from fo_gym.plant.robot import home_pose, load_model
+from fo_gym.plant import FlexibleJointPlant
 from fo_gym.reproduction.reference import Arm, Control, sampled
+from fo_gym.robots import LinkSide, robot_of
 
-ROBOT = Robot(asset_path("miro_like"), tuple(f"joint{i}" for i in range(1, 8)))
+ROBOT = LinkSide(asset_path("miro_like"), tuple(f"joint{i}" for i in range(1, 8)))
 
 INERTIA = np.array([1.0, 1.0, 0.6, 0.6, 0.3, 0.2, 0.2])
 COULOMB = np.array([3.0, 3.0, 2.0, 2.0, 1.0, 0.8, 0.8])
@@ -56,12 +56,12 @@ def rest(arm: Arm, home: np.ndarray) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def arm() -> Arm:
-    return Arm(load_model(ROBOT), JOINTS, FRICTION)
+    return Arm(ROBOT.model, JOINTS, FRICTION)
 
 
 @pytest.fixture(scope="module")
 def home() -> np.ndarray:
-    return home_pose(ROBOT)
+    return robot_of("miro_like").home
 
 
 def pushes() -> np.ndarray:

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from energy_search import CASES, Account, search
 
-from fo_gym.envs.stiction import STICTION
 from fo_gym.plant.kernel import PARAMETERS
 from fo_gym.simulation.settings import Settings
 from fo_gym.simulation.simulation import Simulation
+from fo_gym.tasks.stiction import stiction
 
 RISE = 1e-4
 """Of the energy turned over. A search of 1e9 joint micro-steps (energy_search.py) found 1e-6 at most."""
@@ -17,7 +17,7 @@ RISE = 1e-4
 
 def swing(sigma_2: float) -> float:
     """Largest rise in half a second of a wave on the single link, with that viscous friction."""
-    simulation = Simulation(STICTION, 1, Settings(action_mode="torque"))
+    simulation = Simulation("single_link", stiction, 1, Settings(action_mode="torque"))
     simulation.reset(np.array([0]), [np.random.default_rng(0)])
     simulation.plant._parameters[..., PARAMETERS.index("sigma_2")] = sigma_2
     account, worst = Account(simulation), 0.0

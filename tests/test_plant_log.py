@@ -12,9 +12,10 @@ ROOT = Path(__file__).parents[1]
 # A state that MuJoCo warns of, in MuJoCo's own loop and in a batch.
 WARN = """
 import numpy as np
-from fo_gym.envs.stiction import STICTION
+from fo_gym.robots import robot_of
 from fo_gym.plant import FlexibleJointPlant
-plant = FlexibleJointPlant(STICTION.robot, 2, joints=STICTION.joints, friction=STICTION.friction, control_dt=1e-3)
+link = robot_of("single_link")
+plant = FlexibleJointPlant(link.link_side, 2, joints=link.flexible, friction=link.friction, control_dt=1e-3)
 model, data = plant.to_mujoco()
 data.qpos[:] = np.nan
 import mujoco

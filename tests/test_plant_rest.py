@@ -12,12 +12,13 @@ from mujoco_arm import MujocoArm, dense_inertia
 from pendulum import FRICTION, JOINTS, POSE, MakeRobot, drive, plant_of, varied, write_pendulum
 
 from fo_gym.parameters import FRICTIONLESS, LuGre
-from fo_gym.plant import FlexibleJointPlant, Robot
+from fo_gym.plant import FlexibleJointPlant
 from fo_gym.reproduction.reference import Arm, Control, sampled
+from fo_gym.robots import LinkSide
 
 
-def free_arm(robot: Robot) -> Arm:
-    return MujocoArm(robot.path, JOINTS, LuGre(0.0, 0.0, 0.0, 1.0, 1.0, 1.0))
+def free_arm(robot: LinkSide) -> Arm:
+    return MujocoArm(robot.file, JOINTS, LuGre(0.0, 0.0, 0.0, 1.0, 1.0, 1.0))
 
 
 @pytest.mark.parametrize("friction", [FRICTION, FRICTIONLESS], ids=["friction", "frictionless"])
@@ -76,7 +77,7 @@ class Free(Control):
         return np.zeros_like(theta)
 
 
-def error_of_free_motion(robot: Robot, control_dt: float = 1e-3) -> tuple[float, np.ndarray]:
+def error_of_free_motion(robot: LinkSide, control_dt: float = 1e-3) -> tuple[float, np.ndarray]:
     """Largest error of the links against the solver over 0.4 s without torques; the solver's links at the end."""
     plant = FlexibleJointPlant(robot, 1, joints=JOINTS, friction=FRICTIONLESS, control_dt=control_dt)
     plant.reset(np.array([0]), POSE)

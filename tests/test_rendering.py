@@ -18,10 +18,10 @@ from gymnasium.wrappers import RenderCollection
 
 import fo_gym  # noqa: F401
 from fo_gym.envs.rendering import SceneRenderer
-from fo_gym.envs.stiction import STICTION
-from fo_gym.plant import Robot
+from fo_gym.robots import LinkSide, robot_of
 from fo_gym.simulation.settings import Settings
 from fo_gym.simulation.simulation import Simulation
+from fo_gym.tasks.stiction import stiction
 
 IDS = ("FJRStiction-v0", "FJRRegulation-v0", "FJRSquare-v0")
 STICTION_ID, REGULATION_ID, SQUARE_ID = IDS
@@ -208,9 +208,9 @@ def test_robot_without_camera_sites_and_mocap(tmp_path):
     path = tmp_path / "bare.xml"
     path.write_text("""<mujoco><visual><global offwidth="64" offheight="64"/></visual><worldbody><light pos="0 0 2"/>
         <body><joint name="slider" type="slide" axis="1 0 0"/><geom size="0.1"/></body></worldbody></mujoco>""")
-    task = replace(STICTION, robot=Robot(path, joints=("slider",)))
-    renderer = SceneRenderer(Simulation(task, 1, Settings()), "rgb_array")
-    image = renderer.frame(Simulation(task, 1, Settings()))
+    robot = replace(robot_of("single_link"), link_side=LinkSide(path, joints=("slider",)))
+    renderer = SceneRenderer(Simulation(robot, stiction, 1, Settings()), "rgb_array")
+    image = renderer.frame(Simulation(robot, stiction, 1, Settings()))
     assert image.shape == (480, 640, 3)
     assert image.std() > 10.0
     renderer.close()

@@ -14,8 +14,8 @@ from baselines.rl import rl_direct, rl_residual
 from baselines.rl.compensator import SHIPPED
 from baselines.rl.course import COURSES
 from fo_gym import Signals
-from fo_gym.envs.stiction import STICTION
 from fo_gym.evaluation.runs.episodes import EpisodeSet
+from fo_gym.reproduction.loop import FRICTION, JOINT
 from fo_gym.reproduction.reference import SingleLink, sampled
 
 
@@ -83,7 +83,7 @@ def test_the_learned_motion_is_the_solvers():
     2 s of the nominal step, 10 mm long; measured 1.2e-7 m at most, bound 2e-6 m.
     """
     periods = 2000
-    link = SingleLink(joint=STICTION.joints, friction=STICTION.friction)
+    link = SingleLink(joint=JOINT, friction=FRICTION)
     theirs = sampled(link, OnTheSolver(), np.zeros((5, 1)), np.zeros((periods, 1)))[:, 2, 0]
     ours = EpisodeSet("FJRStiction-v0", "nominal", (0,), {"duration": 1e-3 * periods}).record(rl_residual(), "rl")
     assert np.abs(ours.motions.theta[:, 0, 0] - theirs).max() < 2e-6

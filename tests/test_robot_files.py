@@ -9,41 +9,24 @@ import numpy as np
 import pytest
 from pendulum import FRICTION, JOINTS, MakeRobot
 
-from fo_gym.plant import FlexibleJointPlant, Robot
-from fo_gym.plant.robot import load_model
-
-
-@pytest.mark.parametrize(
-    ("parts", "complaint"),
-    [
-        ({"elbow_type": "ball", "elbow": ""}, "hinge or a slide"),
-        ({"rest": '<actuator><motor joint="elbow"/></actuator>'}, "actuators"),
-        ({"rest": '<equality><joint joint1="shoulder" joint2="elbow"/></equality>'}, "equalities"),
-        ({"rest": '<tendon><fixed><joint joint="elbow" coef="1"/></fixed></tendon>'}, "tendons"),
-        ({"shoulder": 'frictionloss="0.1"'}, "frictionloss"),
-    ],
-)
-def test_files_with_more_than_links_are_refused(pendulum: MakeRobot, parts: dict[str, str], complaint: str) -> None:
-    robot = pendulum(**parts)
-    with pytest.raises(ValueError, match=complaint) as refusal:
-        load_model(robot)
-    assert str(robot.path) in str(refusal.value)
+from fo_gym.plant import FlexibleJointPlant
+from fo_gym.robots import LinkSide
 
 
 @pytest.mark.parametrize("joints", [("shoulder",), ("elbow", "shoulder"), ("shoulder", "wrist"), ()])
 def test_other_joints_than_the_files_are_refused(pendulum: MakeRobot, joints: tuple[str, ...]) -> None:
     with pytest.raises(ValueError, match=r"\('shoulder', 'elbow'\)"):
-        load_model(replace(pendulum(), joints=joints))
+        assert replace(pendulum(), joints=joints).model
 
 
 def test_missing_file_is_named(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError, match=r"nowhere\.xml"):
-        load_model(Robot(tmp_path / "nowhere.xml", ("joint",)))
+        assert LinkSide(tmp_path / "nowhere.xml", ("joint",)).model
 
 
 def test_missing_tool_is_named(pendulum: MakeRobot) -> None:
-    with pytest.raises(KeyError, match=r"grip.*tip"):
-        load_model(replace(pendulum(), tool="grip"))
+    with pytest.raises(ValueError, match=r"grip.*tip"):
+        assert replace(pendulum(), tool="grip").model
 
 
 def test_urdf_is_a_robot_too(tmp_path: Path) -> None:
@@ -57,6 +40,6 @@ def test_urdf_is_a_robot_too(tmp_path: Path) -> None:
           <joint name="pivot" type="continuous"><parent link="base"/><child link="rod"/><axis xyz="0 1 0"/></joint>
         </robot>"""
     )
-    plant = FlexibleJointPlant(Robot(path, ("pivot",)), 1, joints=JOINTS, friction=FRICTION)
+    plant = FlexibleJointPlant(LinkSide(path, ("pivot",)), 1, joints=JOINTS, friction=FRICTION)
     assert plant.body.dense_inertia(np.zeros((1, 1))).item() == pytest.approx(0.1 + 2 * 0.25)
     assert abs(plant.body.gravity(np.zeros((1, 1))).item()) == pytest.approx(2 * 9.81 * 0.5)

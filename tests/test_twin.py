@@ -10,7 +10,8 @@ import pytest
 from pendulum import FRICTION, JOINTS, POSE, MakeRobot, drive, plant_of, varied
 
 from fo_gym.parameters import FRICTIONLESS, per_joint
-from fo_gym.plant import FlexibleJointPlant, Robot
+from fo_gym.plant import FlexibleJointPlant
+from fo_gym.robots import LinkSide
 
 DEFAULTS = """
   <default><joint damping="0.5" armature="0.2" limited="true" range="-0.1 0.1" frictionloss="0"/></default>
@@ -19,7 +20,7 @@ DEFAULTS = """
 ELBOWS = {"hinge": 'axis="0 1 0"', "slide": 'axis="0 0 1"'}
 
 
-def elbowed(pendulum: MakeRobot, kind: str, **parts: str) -> Robot:
+def elbowed(pendulum: MakeRobot, kind: str, **parts: str) -> LinkSide:
     """A hinged upper arm with a hinged fore arm, or with one that slides up and down."""
     return pendulum(elbow=ELBOWS[kind], elbow_type=kind, **parts)
 
@@ -167,7 +168,7 @@ def test_first_steps_agree_with_the_plant(pendulum: MakeRobot, kind: str, integr
     ours = np.concatenate([plant.q[0], plant.theta[0]])
     assert np.abs(ours - start).min() > 1e-5
     np.testing.assert_allclose(data.qpos - start, ours - start, rtol=1e-2)
-    bristles = [data.actuator(f"{name}_friction").force[0] for name in plant.robot.joints]
+    bristles = [data.actuator(f"{name}_friction").force[0] for name in plant.link_side.joints]
     np.testing.assert_allclose(bristles - 0.4 * data.qvel[2:], plant.tau_f[0], rtol=1e-2)
     assert data.time == pytest.approx(plant.time[0])
 

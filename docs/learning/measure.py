@@ -18,9 +18,8 @@ from joblib import Parallel, delayed
 
 import fo_gym
 from baselines import PIDObserver
-from fo_gym.envs.arm import ARM_FRICTION, ARM_JOINTS
-from fo_gym.envs.stiction import STICTION
 from fo_gym.files import atomic, csv
+from fo_gym.robots import robot_of
 
 HERE = Path(__file__).parent
 SEEDS = 10
@@ -32,8 +31,9 @@ COMPETITORS: dict[str, Callable[[], Any]] = {
     "rl-residual": lambda: fo_gym.make_compensator("rl-residual"),
     "rl-direct": lambda: fo_gym.make_compensator("rl-direct"),
 }
-JOINTS = {"FJRStiction-v0": STICTION.joints, "FJRRegulation-v0": ARM_JOINTS, "FJRSquare-v0": ARM_JOINTS}
-FRICTION = {"FJRStiction-v0": STICTION.friction, "FJRRegulation-v0": ARM_FRICTION, "FJRSquare-v0": ARM_FRICTION}
+LINK, ARM = robot_of("single_link"), robot_of("miro_like")
+JOINTS = {"FJRStiction-v0": LINK.flexible, "FJRRegulation-v0": ARM.flexible, "FJRSquare-v0": ARM.flexible}
+FRICTION = {"FJRStiction-v0": LINK.friction, "FJRRegulation-v0": ARM.friction, "FJRSquare-v0": ARM.friction}
 PARAMETERS = {
     "friction": ("f_c", "f_s"),
     "stribeck": ("v_s",),

@@ -2,41 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-import numpy as np
-
-from fo_gym.envs.arm import ARM, ARM_FRICTION, ARM_HARDWARE, ARM_HOME, ARM_JOINTS
 from fo_gym.envs.single import JointEnv
 from fo_gym.envs.vector import JointVectorEnv
-from fo_gym.hardware import PushTime
-from fo_gym.parameters import PDGains
-from fo_gym.tasks.scenario import Push
-from fo_gym.tasks.task import Randomization, Task
-
-_PUSH = Push(time=13.0, duration=0.5, torque=np.array([0.0, 10.0, 0.0, 0.0, 0.0, 0.0, 0.0]))
-
-# Step, push and the gains of joint 2 as in the experiment of arXiv:1907.00553; the other joints' gains are ours.
-REGULATION = Task(
-    robot=ARM,
-    joint_unit="rad",
-    joints=ARM_JOINTS,
-    friction=ARM_FRICTION,
-    gains=PDGains(
-        kp=np.array([50.0, 50.0, 30.0, 30.0, 15.0, 10.0, 10.0]), kd=np.array([2.0, 2.0, 1.2, 1.2, 0.6, 0.4, 0.4])
-    ),
-    duration=20.0,
-    accuracy=5e-3,
-    q_start=ARM_HOME,
-    step=np.full(7, np.deg2rad(-5.0)),
-    step_time=3.0,
-    path=None,
-    push=_PUSH,
-    random_push=_PUSH,
-    limit_cycle_window=(8.0, 13.0),
-    randomization=Randomization(start=0.02, push_time=(13.0, 14.0)),
-    hardware=replace(ARM_HARDWARE, push_time=PushTime((13.0, 16.0))),
-)
+from fo_gym.tasks.regulation import regulation
 
 
 class RegulationEnv(JointEnv):
@@ -97,10 +65,12 @@ class RegulationEnv(JointEnv):
     * v0: first version.
     """
 
-    task = REGULATION
+    robot = "miro_like"
+    task = staticmethod(regulation)
 
 
 class RegulationVectorEnv(JointVectorEnv):
     """`num_envs` copies of RegulationEnv in one batch."""
 
-    task = REGULATION
+    robot = "miro_like"
+    task = staticmethod(regulation)

@@ -6,7 +6,6 @@ and the tool's trace. OpenGL is asked for with the first frame, not before.
 
 from __future__ import annotations
 
-import copy
 from collections import deque
 from itertools import pairwise
 from typing import Any
@@ -17,7 +16,6 @@ from numpy.typing import NDArray
 
 from fo_gym.envs.window import Window
 from fo_gym.simulation.simulation import Simulation
-from fo_gym.tasks.control import PathControl
 
 Array = NDArray[np.float64]
 Colour = tuple[float, float, float, float]
@@ -86,9 +84,9 @@ class SceneRenderer:
     ) -> None:
         self._mode = render_mode
         self._height, self._width = height, width
-        self._camera = simulation.task.robot.camera
-        self._tool = simulation.task.robot.tool
-        self._model = copy.copy(simulation.plant.body.model)
+        self._camera = simulation.robot.link_side.camera
+        self._tool = simulation.robot.tool
+        self._model = simulation.robot.link_side.scene
         self._data = mujoco.MjData(self._model)
         self._elsewhere = mujoco.MjData(self._model)
         names = {self._model.body(i).name for i in range(self._model.nbody)}
@@ -106,7 +104,7 @@ class SceneRenderer:
 
     def watch(self, simulation: Simulation, draw: bool = False) -> None:
         """Take note of a step: remember where the tool is and, with `draw`, keep the window up to date."""
-        if isinstance(simulation.control, PathControl):
+        if simulation.control.path is not None:
             since = simulation.ticks - self._traced
             for i in np.flatnonzero(since < 0):
                 self._traces[i].clear()
@@ -174,12 +172,9 @@ class SceneRenderer:
 
     def _desired_tool(self, simulation: Simulation, i: int) -> Array:
         """Where the tool of environment i should be now: (3,), m."""
-        scenario, step_time = simulation.scenarios[i], simulation.task.step_time
-        if scenario.target is None or step_time is None:
-            reference: Array = simulation.control.reference[i]
-            return reference
-        stepped = simulation.ticks[i] >= round(step_time / simulation.settings.control_dt)
-        return self._tool_at(scenario.target if stepped else scenario.q_start)
+        links = simulation.control.desired_links(i)
+        reference: Array = simulation.control.reference[i] if links is None else self._tool_at(links)
+        return reference
 
     def _decorate(self, scene: mujoco.MjvScene, simulation: Simulation, i: int) -> None:
         """Add to the scene what the robot file does not show."""
@@ -192,8 +187,8 @@ class SceneRenderer:
             _add(scene, _SHAPES.mjGEOM_BOX, TARGET, (x, y - 0.034, z), (0.0012, 0.0008, 0.042))
             _add(scene, _SHAPES.mjGEOM_SPHERE, TARGET, (x, y - 0.034, z + 0.044), (0.004, 0.004, 0.004))
         pixel = self._height / HEIGHT
-        if isinstance(simulation.control, PathControl):
-            path = simulation.control.table.position[:: 5 * self._trace_ticks]
+        if simulation.control.path is not None:
+            path = simulation.control.path[:: 5 * self._trace_ticks]
             _add_line(scene, path, _SHAPES.mjGEOM_LINE, 1.5 * pixel, DESIRED)
             _add_line(scene, np.array(self._traces[i]), _SHAPES.mjGEOM_LINE, 3.5 * pixel, DONE)
         if self._tool is not None:

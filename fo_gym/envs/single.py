@@ -16,6 +16,7 @@ from fo_gym.envs.actions import checked_action
 from fo_gym.envs.rendering import SceneRenderer
 from fo_gym.generators import check_random_state, seed_number
 from fo_gym.parameters import JointInfo
+from fo_gym.robots import Robot, RobotLike
 from fo_gym.simulation.settings import Settings
 from fo_gym.simulation.simulation import Simulation
 from fo_gym.simulation.state import SimulationState, parts_of
@@ -31,25 +32,26 @@ _ONE = np.zeros(1, dtype=np.intp)
 class JointEnv(gym.Env[Array, Array]):
     """Flexible joints with friction under a task's controller; the agent supplies the friction estimate.
 
-    Subclasses name the task. Keyword arguments are those of `Settings`, and `render_mode`.
+    Subclasses name robot and task. Keyword arguments are those of `Settings`, and `render_mode`.
 
     Raises:
         ValueError: an argument is not allowed; the message names the value and the remedy.
     """
 
-    task: ClassVar[Task]
+    robot: ClassVar[RobotLike]
+    task: ClassVar[staticmethod[[Robot], Task]]
     metadata: dict[str, Any] = {"render_modes": ["human", "rgb_array"], "render_fps": 1000}  # noqa: RUF012
 
     def __init__(self, *, render_mode: str | None = None, **settings: Any) -> None:
         chosen = Settings.of(settings)
         choice("render_mode", render_mode, self.metadata["render_modes"], none=True)
-        self.simulation = Simulation(self.task, 1, chosen)
+        self.simulation = Simulation(self.robot, self.task, 1, chosen)
         self.render_mode = render_mode
         self.metadata = {**self.metadata, "render_fps": max(1, round(1.0 / chosen.step_dt))}
         self._renderer: SceneRenderer | None = None
         self._started = False
         size = self.simulation.observation_size
-        limit = self.simulation.joints.torque_limit
+        limit = self.simulation.torque_limit
         self.observation_space = Box(-np.inf, np.inf, (size,), np.float64)
         self.action_space = Box(-limit, limit, dtype=np.float64)
 

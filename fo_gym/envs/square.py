@@ -2,45 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-import numpy as np
-
-from fo_gym.envs.arm import ARM, ARM_FRICTION, ARM_HARDWARE, ARM_HOME, ARM_JOINTS
 from fo_gym.envs.single import JointEnv
 from fo_gym.envs.vector import JointVectorEnv
-from fo_gym.hardware import PushTime
-from fo_gym.parameters import ImpedanceGains
-from fo_gym.tasks.path import SquarePath
-from fo_gym.tasks.scenario import Push
-from fo_gym.tasks.task import Randomization, Task
-
-# Size, time and gains of the square as in the experiment of arXiv:1907.00553; pose and plane are ours.
-SQUARE = Task(
-    robot=ARM,
-    joint_unit="rad",
-    joints=ARM_JOINTS,
-    friction=ARM_FRICTION,
-    gains=ImpedanceGains(
-        kp_position=1000.0,
-        kd_position=200.0,
-        kp_orientation=10.0,
-        kd_orientation=2.0,
-        kp_elbow=10.0,
-        kd_elbow=2.0,
-    ),
-    duration=8.0,
-    accuracy=2e-3,
-    q_start=ARM_HOME,
-    step=None,
-    step_time=None,
-    path=SquarePath(side=0.15, duration=5.0, first=(0.0, -1.0, 0.0), second=(0.0, 0.0, -1.0)),
-    push=None,
-    random_push=Push(time=0.0, duration=0.5, torque=np.array([0.0, 10.0, 0.0, 0.0, 0.0, 0.0, 0.0])),
-    limit_cycle_window=None,
-    randomization=Randomization(start=0.02, push_time=(5.5, 6.0)),
-    hardware=replace(ARM_HARDWARE, push_time=PushTime((5.2, 7.0))),
-)
+from fo_gym.tasks.square import square
 
 
 class SquareEnv(JointEnv):
@@ -102,10 +66,12 @@ class SquareEnv(JointEnv):
     * v0: first version.
     """
 
-    task = SQUARE
+    robot = "miro_like"
+    task = staticmethod(square)
 
 
 class SquareVectorEnv(JointVectorEnv):
     """`num_envs` copies of SquareEnv in one batch."""
 
-    task = SQUARE
+    robot = "miro_like"
+    task = staticmethod(square)

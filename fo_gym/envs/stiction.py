@@ -2,63 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from envs_assets import asset_path
 from fo_gym.envs.single import JointEnv
 from fo_gym.envs.vector import JointVectorEnv
-from fo_gym.hardware import (
-    CommandDelay,
-    GearRipple,
-    Hardware,
-    LinkFriction,
-    LoadFriction,
-    ModelError,
-    MotorEncoder,
-    PushTime,
-    SensorModel,
-    Temperature,
-    TorqueSaturation,
-    TorqueSensor,
-)
-from fo_gym.parameters import FlexibleJoint, LuGre, PDGains
-from fo_gym.plant import Robot
-from fo_gym.tasks.scenario import Push
-from fo_gym.tasks.task import Randomization, Task
-
-# Parameters of arXiv:1907.00553, section V; the torque limit, the randomized ranges and the hardware are ours. A
-# robot's joint turns about ten times as far as this link moves, so its hardware is the arm's, divided by ten.
-STICTION = Task(
-    robot=Robot(asset_path("single_link"), joints=("joint",), camera="view"),
-    joint_unit="m",
-    joints=FlexibleJoint(stiffness=3000.0, damping=0.0, motor_inertia=1.0, torque_limit=10.0),
-    friction=LuGre(sigma_0=1e5, sigma_1=float(np.sqrt(1e5)), sigma_2=0.4, f_c=1.0, f_s=1.5, v_s=0.001),
-    gains=PDGains(kp=50.0, kd=5.0),
-    duration=20.0,
-    accuracy=1e-3,
-    q_start=np.zeros(1),
-    step=np.array([0.01]),
-    step_time=0.0,
-    path=None,
-    push=None,
-    random_push=Push(time=0.0, duration=0.5, torque=np.array([1.5])),
-    limit_cycle_window=(10.0, 20.0),
-    randomization=Randomization(start=0.002, push_time=(5.0, 8.0)),
-    hardware=Hardware(
-        sensors=SensorModel(
-            MotorEncoder(resolution=1e-7, cutoff=2.0 * np.pi * 150.0),
-            TorqueSensor(noise=0.005, offset=0.02, cutoff=2.0 * np.pi * 200.0),
-        ),
-        delay=CommandDelay(1e-3),
-        saturation=TorqueSaturation(),
-        link_friction=LinkFriction(coulomb=0.05, viscous=0.1, width=1e-3),
-        ripple=GearRipple(amplitude=0.05, period=2e-3),
-        load=LoadFriction(0.063),
-        temperature=Temperature(),
-        model_error=ModelError(),
-        push_time=PushTime((4.0, 9.0)),
-    ),
-)
+from fo_gym.tasks.stiction import stiction
 
 
 class StictionEnv(JointEnv):
@@ -112,10 +58,12 @@ class StictionEnv(JointEnv):
     * v0: first version.
     """
 
-    task = STICTION
+    robot = "single_link"
+    task = staticmethod(stiction)
 
 
 class StictionVectorEnv(JointVectorEnv):
     """`num_envs` copies of StictionEnv in one batch."""
 
-    task = STICTION
+    robot = "single_link"
+    task = staticmethod(stiction)

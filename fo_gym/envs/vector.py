@@ -18,6 +18,7 @@ from fo_gym.envs.actions import checked_action
 from fo_gym.envs.rendering import SceneRenderer
 from fo_gym.generators import check_random_states, restored, seed_number
 from fo_gym.parameters import JointInfo
+from fo_gym.robots import Robot, RobotLike
 from fo_gym.simulation.settings import Settings
 from fo_gym.simulation.simulation import Simulation
 from fo_gym.simulation.state import SimulationState, parts_of
@@ -31,15 +32,16 @@ __all__ = ["JointVectorEnv"]
 class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
     """`num_envs` environments advanced together; each one behaves, to the bit, as `JointEnv` does alone.
 
-    Subclasses name the task. With the autoreset mode NEXT_STEP (the default) the step after an episode's end ignores
-    the action, resets that environment and returns its first observation with reward 0. With DISABLED whoever steps
-    also resets: `reset(options={"reset_mask": mask})` starts new episodes in the masked environments alone.
+    Subclasses name robot and task. With the autoreset mode NEXT_STEP (the default) the step after an episode's end
+    ignores the action, resets that environment and returns its first observation with reward 0. With DISABLED whoever
+    steps also resets: `reset(options={"reset_mask": mask})` starts new episodes in the masked environments alone.
 
     Raises:
         ValueError: an argument is not allowed; the message names the value and the remedy.
     """
 
-    task: ClassVar[Task]
+    robot: ClassVar[RobotLike]
+    task: ClassVar[staticmethod[[Robot], Task]]
     metadata: dict[str, Any] = {  # noqa: RUF012
         "render_modes": ["rgb_array"],
         "render_fps": 1000,
@@ -61,14 +63,14 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
                 f"autoreset_mode is {shown(autoreset_mode)}; allowed are AutoresetMode.NEXT_STEP and DISABLED"
             )
         self._autoreset = autoreset_mode is AutoresetMode.NEXT_STEP
-        self.simulation = Simulation(self.task, num_envs, chosen)
+        self.simulation = Simulation(self.robot, self.task, num_envs, chosen)
         self.num_envs = num_envs = self.simulation.num_envs
         self.render_mode = render_mode
         fps = max(1, round(1.0 / chosen.step_dt))
         self.metadata = {**self.metadata, "render_fps": fps, "autoreset_mode": autoreset_mode}
         self._renderer: SceneRenderer | None = None
         size = self.simulation.observation_size
-        limit = self.simulation.joints.torque_limit
+        limit = self.simulation.torque_limit
         self.single_observation_space = Box(-np.inf, np.inf, (size,), np.float64)
         self.single_action_space = Box(-limit, limit, dtype=np.float64)
         self.observation_space = batch_space(self.single_observation_space, num_envs)

@@ -58,8 +58,8 @@ class HardwareModel:
         self._sensing: Sensing | None = None
         self._joint: Imperfections | None = None
         if effects is not None:
-            effects.check_joints(plant.robot.dof)
-            size = plant.num_envs, plant.robot.dof, plant.control_dt
+            effects.check_joints(plant.dof)
+            size = plant.num_envs, plant.dof, plant.control_dt
             self._sensing = Sensing(effects.sensors, *size, tachometer=tachometer)
             self._joint = Imperfections(effects, *size, torque_limit)
 

@@ -1,9 +1,8 @@
 """The plant: MuJoCo's rigid body, and our own step for motors, springs and friction."""
 
 from fo_gym.plant.plant import FlexibleJointPlant, PlantState
-from fo_gym.plant.robot import Robot
 from fo_gym.robots.log import keep_off_disk
 
 keep_off_disk()
 
-__all__ = ["FlexibleJointPlant", "PlantState", "Robot"]
+__all__ = ["FlexibleJointPlant", "PlantState"]

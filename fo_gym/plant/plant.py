@@ -13,9 +13,9 @@ from fo_gym.checks import NOT_NEGATIVE, POSITIVE, instance, number, real, real_a
 from fo_gym.parameters import FlexibleJoint, LuGre, per_joint
 from fo_gym.plant.kernel import PARAMETERS, STATE, advance, predict, spring_torque
 from fo_gym.plant.rigid_body import RigidBody
-from fo_gym.plant.robot import Robot
 from fo_gym.plant.steps import PhysicsDt, StepAdvice, advise_steps, auto_steps, check_steps, is_auto, micro_steps
 from fo_gym.plant.twin import twin_model
+from fo_gym.robots import LinkSide
 
 Array = NDArray[np.float64]
 
@@ -59,7 +59,7 @@ class FlexibleJointPlant:
     q + q' dt/2 and velocity q' + (q' - q'_before)/2, extrapolated from the period before.
 
     Args:
-        robot: the link side.
+        link_side: the links.
         num_envs: size of the batch, at most MAX_ENVS.
         joints: motor and spring of every joint.
         friction: LuGre parameters of every joint.
@@ -73,7 +73,7 @@ class FlexibleJointPlant:
 
     def __init__(
         self,
-        robot: Robot,
+        link_side: LinkSide,
         num_envs: int,
         *,
         joints: FlexibleJoint,
@@ -81,14 +81,15 @@ class FlexibleJointPlant:
         control_dt: float = 1e-3,
         physics_dt: PhysicsDt = None,
     ) -> None:
-        instance("robot", robot, Robot)
+        instance("link_side", link_side, LinkSide)
         instance("joints", joints, FlexibleJoint)
         instance("friction", friction, LuGre)
-        self.robot = robot
+        self.link_side = link_side
+        self.dof = link_side.dof
         self.num_envs = whole_number("num_envs", num_envs, 1, MAX_ENVS)
         self.control_dt = control_dt
-        self.body = RigidBody(robot, num_envs)
-        shape = (num_envs, robot.dof)
+        self.body = RigidBody(link_side, num_envs)
+        shape = (num_envs, self.dof)
         self._parameters = np.empty((*shape, len(PARAMETERS)))
         self._friction = np.empty((*shape, len(_FRICTION)))
         self._state = np.zeros((len(STATE), *shape))
@@ -133,7 +134,7 @@ class FlexibleJointPlant:
         self, ids: NDArray[np.intp], *, joints: FlexibleJoint, friction: LuGre, mass_scale: float = 1.0
     ) -> None:
         """Give the named environments these parameters; `mass_scale` multiplies the masses of the file."""
-        values = {**vars(per_joint(joints, self.robot.dof)), **vars(per_joint(friction, self.robot.dof))}
+        values = {**vars(per_joint(joints, self.dof)), **vars(per_joint(friction, self.dof))}
         for column, name in enumerate(PARAMETERS):
             self._parameters[ids, :, column] = values[name]
         self._friction[ids] = self._parameters[ids][..., _FRICTION]
@@ -151,7 +152,7 @@ class FlexibleJointPlant:
 
     def advise(self, ids: NDArray[np.intp], q: Array) -> StepAdvice:
         """The largest micro-step that follows each joint in all of the named environments at q (n, dof), and why."""
-        return advise_steps(self.robot.joints, self._parameters[ids], self.body.mobility(q, ids))
+        return advise_steps(self.link_side.joints, self._parameters[ids], self.body.mobility(q, ids))
 
     def reset(self, ids: NDArray[np.intp], q: Array) -> None:
         """Put the named environments at rest at q (n, dof), in static equilibrium: theta = q + K_j^-1 g(q), z = 0.
@@ -160,11 +161,11 @@ class FlexibleJointPlant:
             ValueError: q has another shape or is not finite, or the micro-step is too long for a joint there.
         """
         q = real("q", q)
-        shape = len(ids), self.robot.dof
+        shape = len(ids), self.dof
         q = np.broadcast_to(real_array("q", q, shape if q.ndim > 1 else shape[1:]), shape)
         mobility = self.body.mobility(q, ids)
         check_steps(
-            advise_steps(self.robot.joints, self._parameters[ids], mobility),
+            advise_steps(self.link_side.joints, self._parameters[ids], mobility),
             self.body.model.dof_damping * mobility,
             physics_dt=self.physics_dt,
             control_dt=self.control_dt,
@@ -272,7 +273,7 @@ class FlexibleJointPlant:
         """
         env = whole_number("env", env, 0, self.num_envs - 1)
         values = dict(zip(PARAMETERS, self._parameters[env].T, strict=True))
-        model = twin_model(self.robot, values, self.body.mass_scale[env], timestep, integrator)
+        model = twin_model(self.link_side, values, self.body.mass_scale[env], timestep, integrator)
         data = mujoco.MjData(model)
         data.qpos[:] = np.concatenate([self.q[env], self.theta[env]])
         data.qvel[:] = np.concatenate([self.q_dot[env], self.theta_dot[env]])

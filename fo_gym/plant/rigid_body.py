@@ -9,7 +9,7 @@ import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import NDArray
 
-from fo_gym.plant.robot import Robot, load_model
+from fo_gym.robots import LinkSide
 
 Array = NDArray[np.float64]
 Ids = NDArray[np.intp] | None
@@ -34,22 +34,22 @@ class ToolPose(NamedTuple):
 
 
 class RigidBody:
-    """`num_envs` copies of a robot's link side, each with its own masses.
+    """`num_envs` copies of a link side, each with its own masses.
 
     It holds no motion state: every query names the configuration it asks about. `ids` picks environments
     (None = all); arrays then have one row for each of them.
 
     Attributes:
-        robot: what was loaded.
+        link_side: what was loaded.
         model: the compiled MuJoCo model.
         layout: (row_nonzeros, row_start, columns) of the sparse lower triangle in which `dynamics` gives M.
         mass_scale: factor on the masses of each environment, (num_envs,).
     """
 
-    def __init__(self, robot: Robot, num_envs: int) -> None:
-        self.robot = robot
+    def __init__(self, link_side: LinkSide, num_envs: int) -> None:
+        self.link_side = link_side
         self.num_envs = num_envs
-        self.model = load_model(robot)
+        self.model = link_side.model
         self.mass_scale = np.ones(num_envs)
         self._make_batch()
 
@@ -61,8 +61,8 @@ class RigidBody:
         self._inertia = self._batch.bind("M")
         self._bias = self._batch.bind("qfrc_bias")
         self._passive = self._batch.bind("qfrc_passive")
-        if self.robot.tool is not None:
-            site = self.model.site(self.robot.tool)
+        if self.link_side.tool is not None:
+            site = self.model.site(self.link_side.tool)
             self._tool_body = int(site.bodyid[0])
             self._tool_position = self._batch.bind("site_xpos")[:, site.id]
             self._tool_rotation = self._batch.bind("site_xmat")[:, site.id].reshape(-1, 3, 3)
@@ -72,7 +72,12 @@ class RigidBody:
 
     def __getstate__(self) -> dict[str, Any]:
         # A Batch owns threads and cannot be pickled; it is rebuilt from what defines it.
-        return {"robot": self.robot, "num_envs": self.num_envs, "model": self.model, "mass_scale": self.mass_scale}
+        return {
+            "link_side": self.link_side,
+            "num_envs": self.num_envs,
+            "model": self.model,
+            "mass_scale": self.mass_scale,
+        }
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
@@ -123,7 +128,7 @@ class RigidBody:
         """M(q) as full matrices, (n, dof, dof)."""
         sparse, _ = self.dynamics(q, np.zeros_like(q), ids)
         row_nonzeros, row_start, columns = self.layout
-        dense = np.zeros((len(sparse), self.robot.dof, self.robot.dof))
+        dense = np.zeros((len(sparse), self.link_side.dof, self.link_side.dof))
         for row, (count, start) in enumerate(zip(row_nonzeros, row_start, strict=True)):
             column = columns[start : start + count]
             dense[:, row, column] = dense[:, column, row] = sparse[:, start : start + count]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.checks import POSITIVE, choice, number
-from fo_gym.plant.robot import Robot, switch_off_constraints
+from fo_gym.robots import LinkSide
 
 Array = NDArray[np.float64]
 
@@ -28,7 +28,7 @@ __all__ = ["INTEGRATORS", "twin_model"]
 
 
 def twin_model(
-    robot: Robot, values: Mapping[str, Array], mass_scale: float, timestep: float, integrator: str
+    link_side: LinkSide, values: Mapping[str, Array], mass_scale: float, timestep: float, integrator: str
 ) -> mujoco.MjModel:
     """The robot with a motor, a spring and LuGre friction at every joint, as one MuJoCo model.
 
@@ -37,7 +37,7 @@ def twin_model(
     whose deflection z is its activation; the actuator "<joint>_motor" takes tau_m as its control.
 
     Args:
-        robot: the link side.
+        link_side: the links.
         values: for each of the kernel's PARAMETERS an array of one value per joint.
         mass_scale: factor on the masses of the file.
         timestep: MuJoCo's step [s]. Its bristles hold a stuck joint only for steps below sigma_1 / sigma_0.
@@ -48,17 +48,14 @@ def twin_model(
     """
     number("timestep", timestep, POSITIVE, "s")
     choice("integrator", integrator, INTEGRATORS)
-    spec = mujoco.MjSpec.from_file(str(robot.path))
-    for key in spec.keys:
-        spec.delete(key)  # poses of the links alone, too short for links and motors
-    for j, name in enumerate(robot.joints):
+    spec = link_side.scene_spec
+    for j, name in enumerate(link_side.joints):
         _add_motor(spec, name, j, {field: float(value[j]) for field, value in values.items()})
     model = spec.compile()
-    model.body_mass[: model.nbody - robot.dof] *= mass_scale
-    model.body_inertia[: model.nbody - robot.dof] *= mass_scale
+    model.body_mass[: model.nbody - link_side.dof] *= mass_scale
+    model.body_inertia[: model.nbody - link_side.dof] *= mass_scale
     model.opt.timestep = timestep
     model.opt.integrator = INTEGRATORS[integrator]
-    switch_off_constraints(model)
     mujoco.mj_setConst(model, mujoco.MjData(model))
     return model
 

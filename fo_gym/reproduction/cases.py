@@ -9,20 +9,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.envs.arm import ARM, ARM_FRICTION, ARM_JOINTS
-from fo_gym.envs.stiction import STICTION
 from fo_gym.parameters import FlexibleJoint, LuGre, per_joint
-from fo_gym.plant import FlexibleJointPlant, Robot
-from fo_gym.plant.robot import load_model
+from fo_gym.plant import FlexibleJointPlant
 from fo_gym.reproduction.loop import FRICTION, JOINT
 from fo_gym.reproduction.reference import Arm, Control, SingleLink
+from fo_gym.robots import LinkSide, robot_of
 
 Array = NDArray[np.float64]
 
 PERIOD = 1e-3
 """Control period of every case [s]."""
 
-TWO_LINK = Robot(Path(__file__).with_name("two_link.xml"), joints=("shoulder", "elbow"))
+ARM = robot_of("miro_like")
+LINK = robot_of("single_link").link_side
+
+TWO_LINK = LinkSide(Path(__file__).with_name("two_link.xml"), joints=("shoulder", "elbow"))
 """A planar arm of two links in the vertical plane."""
 
 WITHOUT_FRICTION = LuGre(sigma_0=0.0, sigma_1=0.0, sigma_2=0.0, f_c=1.0, f_s=1.0, v_s=1.0)
@@ -39,7 +40,18 @@ OBSERVERS: dict[str, dict[str, Any]] = {
 }
 """No observer and the paper's six, by the fields of `Control`."""
 
-__all__ = ["OBSERVERS", "PERIOD", "TWO_LINK", "WITHOUT_FRICTION", "Case", "arm_case", "link_case", "paper_case"]
+__all__ = [
+    "ARM",
+    "LINK",
+    "OBSERVERS",
+    "PERIOD",
+    "TWO_LINK",
+    "WITHOUT_FRICTION",
+    "Case",
+    "arm_case",
+    "link_case",
+    "paper_case",
+]
 
 
 @dataclass(frozen=True)
@@ -55,7 +67,7 @@ class Case:
         mass_scale: factor on the masses of the robot file.
     """
 
-    robot: Robot
+    robot: LinkSide
     equations: SingleLink | Arm
     pose: Array
     gains: dict[str, Any] = field(default_factory=dict)
@@ -81,8 +93,8 @@ class Case:
 def paper_case(name: str) -> Case:
     """Two seconds of the paper's single link under one of OBSERVERS, or "no-friction"."""
     if name == "no-friction":
-        return Case(STICTION.robot, SingleLink(JOINT, WITHOUT_FRICTION), np.zeros(1))
-    return Case(STICTION.robot, SingleLink(JOINT, FRICTION), np.zeros(1), OBSERVERS[name])
+        return Case(LINK, SingleLink(JOINT, WITHOUT_FRICTION), np.zeros(1))
+    return Case(LINK, SingleLink(JOINT, FRICTION), np.zeros(1), OBSERVERS[name])
 
 
 def _observer(generator: np.random.Generator, turn: int) -> dict[str, Any]:
@@ -114,13 +126,13 @@ def link_case(generator: np.random.Generator, turn: int) -> Case:
     gains |= {"motor_inertia": inertia, "theta_d": generator.choice([-1.0, 1.0]) * spread(0.02, 0.05)}
     push = np.zeros((2000, 1))
     push[1000:1500] = spread(-3.0, 3.0)
-    return Case(STICTION.robot, SingleLink(joint, friction, mass), np.zeros(1), gains, push, mass)
+    return Case(LINK, SingleLink(joint, friction, mass), np.zeros(1), gains, push, mass)
 
 
-def arm_case(robot: Robot, home: Array, generator: np.random.Generator, turn: int) -> Case:
+def arm_case(robot: LinkSide, home: Array, generator: np.random.Generator, turn: int) -> Case:
     """One second of an arm with random joints near the MIRO-like arm's: a step of every joint, and a push of 0.3 s."""
     spread, dof = generator.uniform, robot.dof
-    like, usual = per_joint(ARM_JOINTS, ARM.dof), per_joint(ARM_FRICTION, ARM.dof)
+    like, usual = per_joint(ARM.flexible, ARM.dof), per_joint(ARM.friction, ARM.dof)
     inertia = like.motor_inertia[:dof] * spread(0.6, 1.6, dof)
     f_c = usual.f_c[:dof] * spread(0.5, 1.5, dof)
     sigma_0 = f_c / 10 ** spread(-4.2, -3.5, dof)
@@ -134,7 +146,7 @@ def arm_case(robot: Robot, home: Array, generator: np.random.Generator, turn: in
     )
     stiffness = like.stiffness[:dof] * spread(0.6, 1.5, dof)
     joint = FlexibleJoint(stiffness, generator.choice([0.0, 0.5]), inertia, torque_limit=200.0)
-    model, mass = load_model(robot), spread(0.7, 1.5)
+    model, mass = robot.model, spread(0.7, 1.5)
     model.body_mass *= mass
     model.body_inertia *= mass
     arm = Arm(model, joint, friction)

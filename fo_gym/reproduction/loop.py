@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,18 +11,24 @@ from numpy.typing import NDArray
 from fo_gym.compensators import Compensator
 from fo_gym.control.motor_pd import MotorPD
 from fo_gym.control.nominal_motor import NominalMotor
-from fo_gym.envs.stiction import STICTION
 from fo_gym.parameters import FlexibleJoint, JointInfo, LuGre, PDGains
 from fo_gym.plant import FlexibleJointPlant
+from fo_gym.robots import robot_of
 from fo_gym.signals import Signals
 
 Array = NDArray[np.float64]
 
-assert isinstance(STICTION.gains, PDGains)
-assert isinstance(STICTION.friction, LuGre)
-JOINT: FlexibleJoint = STICTION.joints
-FRICTION: LuGre = STICTION.friction
-GAINS: PDGains = STICTION.gains
+_Parameters = TypeVar("_Parameters", FlexibleJoint, LuGre, PDGains)
+
+
+def _of_one_joint(parameters: _Parameters) -> _Parameters:
+    """The same with numbers instead of arrays of one."""
+    return replace(parameters, **{name: float(value[0]) for name, value in vars(parameters).items()})
+
+
+LINK = robot_of("single_link")
+assert LINK.pd_gains is not None
+JOINT, FRICTION, GAINS = _of_one_joint(LINK.flexible), _of_one_joint(LINK.friction), _of_one_joint(LINK.pd_gains)
 
 __all__ = ["FRICTION", "GAINS", "JOINT", "Motion", "run_loop"]
 
@@ -91,7 +98,7 @@ def run_loop(
         start: position of motor and link at rest [m].
     """
     ticks, n = theta_d.shape
-    plant = FlexibleJointPlant(STICTION.robot, n, joints=joint, friction=friction, control_dt=dt, physics_dt=physics_dt)
+    plant = FlexibleJointPlant(LINK.link_side, n, joints=joint, friction=friction, control_dt=dt, physics_dt=physics_dt)
     everyone = np.arange(n)
     plant.reset(everyone, np.full((n, 1), start))
     nominal, law = NominalMotor(n, 1, dt), MotorPD(GAINS, 1)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fo_gym.checks import instance, only, real_array, text
 from fo_gym.hardware import Hardware
-from fo_gym.parameters import FlexibleJoint, LuGre, per_joint
+from fo_gym.parameters import FlexibleJoint, ImpedanceGains, LuGre, PDGains, per_joint
 from fo_gym.robots.link_side import LinkSide
 from fo_gym.robots.making import made_from_file
 from fo_gym.robots.report import Report
@@ -34,6 +34,8 @@ class Robot:
         redundant: joints whose angles a task-space controller holds, beside the tool.
         hardware: what sets it apart from its model, or None.
         identified: a model of its friction that compensators may use, arrays (dof,); None where nobody identified it.
+        pd_gains: of its motor PD in joint space, arrays (dof,); None for gains by design.
+        impedance_gains: of its task-space impedance; None likewise.
         report: what was taken from the file, dropped, assumed.
     """
 
@@ -46,6 +48,8 @@ class Robot:
     redundant: tuple[str, ...] = ()
     hardware: Hardware | None = None
     identified: LuGre | None = None
+    pd_gains: PDGains | None = None
+    impedance_gains: ImpedanceGains | None = None
     report: Report = field(default_factory=Report)
 
     def __post_init__(self) -> None:
@@ -55,7 +59,9 @@ class Robot:
         instance("Robot.friction", self.friction, LuGre)
         instance("Robot.hardware", self.hardware, Hardware, none="none")
         instance("Robot.identified", self.identified, LuGre, none="none known")
-        for name in ("flexible", "friction", "identified"):
+        instance("Robot.pd_gains", self.pd_gains, PDGains, none="gains by design")
+        instance("Robot.impedance_gains", self.impedance_gains, ImpedanceGains, none="gains by design")
+        for name in ("flexible", "friction", "identified", "pd_gains"):
             value = getattr(self, name)
             object.__setattr__(self, name, None if value is None else per_joint(value, self.dof))
         object.__setattr__(self, "home", real_array("Robot.home", self.home, (self.dof,)))
@@ -72,6 +78,11 @@ class Robot:
     def dof(self) -> int:
         """Number of flexible joints."""
         return self.link_side.dof
+
+    @property
+    def joint_unit(self) -> str:
+        """Unit of the joints, "rad" or "m"; that of most of them, where they differ."""
+        return max(("rad", "m"), key=self.units.count)
 
     @property
     def tool(self) -> str | None:

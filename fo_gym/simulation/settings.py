@@ -9,8 +9,8 @@ from typing import Any
 from fo_gym.checks import POSITIVE, choice, instance, number, only, shown, whole_number
 from fo_gym.hardware import Hardware, SensorModel
 from fo_gym.parameters import FlexibleJoint, ImpedanceGains, LuGre, PDGains
-from fo_gym.robots import Robot, RobotLike, robot_of
 from fo_gym.plant.steps import PhysicsDt, is_auto, micro_steps
+from fo_gym.robots import Robot, RobotLike, robot_of
 from fo_gym.signals import TIERS
 from fo_gym.tasks.task import Randomization, Task, TaskLike
 from fo_gym.tasks.variants import VARIANTS
@@ -110,12 +110,10 @@ class Settings:
             ValueError: the robot cannot be had, or the task does not suit it.
         """
         own = robot_of(robot if self.robot is None else self.robot)
-        given = {"flexible": self.joints, "friction": self.friction}
-        own = replace(own, **{name: value for name, value in given.items() if value is not None})
+        own = replace(own, **_given(flexible=self.joints, friction=self.friction))
         made = task if isinstance(task, Task) else task(own)
         instance("task", made, Task)
-        given = {name: getattr(self, name) for name in ("duration", "gains", "randomization")}
-        made = replace(made, **{name: value for name, value in given.items() if value is not None})
+        made = replace(made, **_given(duration=self.duration, gains=self.gains, randomization=self.randomization))
         return replace(own, hardware=self._effects(own, made)), made.fitted_to(own)
 
     def _effects(self, robot: Robot, task: Task) -> Hardware | None:
@@ -152,3 +150,8 @@ class Settings:
             )
         steps = round(seconds / self.step_dt)
         return max(1, steps) * int(self.decimation)
+
+
+def _given(**values: Any) -> dict[str, Any]:
+    """Those that are not None."""
+    return {name: value for name, value in values.items() if value is not None}

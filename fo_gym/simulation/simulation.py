@@ -13,9 +13,9 @@ from fo_gym.control.nominal_motor import NominalMotor
 from fo_gym.hardware import HardwareDraw
 from fo_gym.hardware.model import HardwareModel
 from fo_gym.parameters import JointInfo
+from fo_gym.plant import FlexibleJointPlant
 from fo_gym.robots import RobotLike
 from fo_gym.robots.poses import joint_range
-from fo_gym.plant import FlexibleJointPlant
 from fo_gym.signals import SIGNALS, TIERS
 from fo_gym.simulation.kernels import INSIDE, LOST, OUTSIDE, rewards, torques, whereabouts
 from fo_gym.simulation.pushes import Pushes

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from fo_gym.robots import Robot
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.plant.steps import PhysicsDt, auto_steps, is_auto
+from fo_gym.robots import Robot
 from fo_gym.simulation.settings import Settings
 from fo_gym.tasks.task import Task, draw_scenario
 

@@ -24,14 +24,11 @@ __all__ = ["Path", "PathTable", "ToolKinematics", "path_table"]
 
 
 class Path(Protocol):
-    """Where a tool is to go.
-
-    Attributes:
-        duration: time that it takes [s].
-    """
+    """Where a tool is to go."""
 
     @property
-    def duration(self) -> float: ...
+    def duration(self) -> float:
+        """Time that it takes [s]."""
 
     def at(self, time: Array) -> tuple[Array, Array]:
         """Offset from the start [m] and velocity [m/s] at `time` (n,) [s], (n, 3) each."""

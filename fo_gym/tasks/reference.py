@@ -21,20 +21,20 @@ __all__ = ["Reference"]
 class Reference(Protocol):
     """A motion that a task asks for: `Step`, `JointPath`, `ToolPath`, or a frozen dataclass of a user's own.
 
-    Attributes:
-        step_time: when the target jumps [s]; None where the reference moves smoothly.
-        motion_window: (start, end) [s] in which it moves along its path, or None.
-        of_tool: whether the tool follows it, whose position is then what is scored.
+    Where the tool follows it, the tool's position is what is scored.
     """
 
     @property
-    def step_time(self) -> float | None: ...
+    def step_time(self) -> float | None:
+        """When the target jumps [s], or None."""
 
     @property
-    def motion_window(self) -> tuple[float, float] | None: ...
+    def motion_window(self) -> tuple[float, float] | None:
+        """(start, end) [s] in which it moves along its path, or None."""
 
     @property
-    def of_tool(self) -> bool: ...
+    def of_tool(self) -> bool:
+        """Whether the tool follows it."""
 
     def fitted_to(self, robot: Robot) -> Any:
         """The same with what was left open chosen for a robot. Raises ValueError, saying why, where it suits none."""

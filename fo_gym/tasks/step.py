@@ -61,7 +61,7 @@ class Step:
         """The robot's own PD gains, or designed ones."""
         return robot.pd_gains or designed_pd(robot)
 
-    def control(self, robot: Robot, plant: FlexibleJointPlant, gains: PDGains) -> StepControl:
+    def control(self, robot: Robot, plant: FlexibleJointPlant, gains: Any) -> StepControl:
         """Motor PD towards the target."""
         return StepControl(self, plant, gains)
 
@@ -69,7 +69,7 @@ class Step:
 class StepControl:
     """Motor PD towards a target that jumps once: q_start before the step, the scenario's target after it."""
 
-    path = None
+    path: Array | None = None
 
     def __init__(self, step: Step, plant: FlexibleJointPlant, gains: PDGains) -> None:
         shape = (plant.num_envs, plant.dof)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +20,6 @@ from fo_gym.tasks.scenario import Push, Scenario
 Array = NDArray[np.float64]
 Range = tuple[float, float]
 
-
-TaskLike = Task | Callable[[Robot], Task]
-"""A task, or a function that makes one for a robot."""
 
 __all__ = ["Randomization", "Task", "TaskLike", "draw_scenario"]
 
@@ -120,11 +119,17 @@ class Task:
         gains = designed if self.gains is None else self.gains
         if not isinstance(gains, type(designed)):
             raise ValueError(f"gains is {shown(gains)}; this task's controller takes {type(designed).__name__}(...)")
-        pushes = {name: _per_joint(f"Task.{name}", getattr(self, name), robot.dof) for name in ("push", "random_push")}
+        pushes: dict[str, Any] = {
+            name: _per_joint(f"Task.{name}", getattr(self, name), robot.dof) for name in ("push", "random_push")
+        }
         for name, part in (("reward_scale", self.reward_scale), ("randomization.start", self.randomization.start)):
             if np.shape(part) not in ((), (1,), (robot.dof,)):
                 raise ValueError(f"Task.{name} has shape {np.shape(part)}; give one value or {robot.dof}")
         return replace(self, reference=reference, gains=gains, **pushes)
+
+
+TaskLike = Task | Callable[[Robot], Task]
+"""A task, or a function that makes one for a robot."""
 
 
 def _per_joint(name: str, push: Push | None, dof: int) -> Push | None:

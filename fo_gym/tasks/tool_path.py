@@ -59,7 +59,8 @@ class ToolPath:
                 f"ToolPath.first is {shown(self.first)} and ToolPath.second is {shown(self.second)}; give both, or none"
             )
         if self.first is not None:
-            plane = np.array([real_array(f"ToolPath.{name}", getattr(self, name), (3,)) for name in ("first", "second")])
+            both = ("first", "second")
+            plane = np.array([real_array(f"ToolPath.{name}", getattr(self, name), (3,)) for name in both])
             if not np.allclose(plane @ plane.T, np.eye(2), rtol=0.0, atol=1e-9):
                 raise ValueError(
                     f"ToolPath.first is {self.first} and ToolPath.second is {self.second}; give two unit vectors at a "
@@ -85,13 +86,14 @@ class ToolPath:
         """The robot's own impedance gains, or designed ones."""
         return robot.impedance_gains or designed_impedance(robot)
 
-    def control(self, robot: Robot, plant: FlexibleJointPlant, gains: ImpedanceGains) -> ToolPathControl:
+    def control(self, robot: Robot, plant: FlexibleJointPlant, gains: Any) -> ToolPathControl:
         """Impedance along the path."""
         return ToolPathControl(self, robot, plant, gains)
 
     def at(self, time: Array) -> tuple[Array, Array]:
         """Offset from the start [m] and velocity [m/s] at `time` (n,) [s], (n, 3) each; at rest after the end."""
-        assert self.first is not None and self.second is not None and self.side is not None, "fitted_to comes first"
+        if self.side is None or self.first is None or self.second is None:
+            raise ValueError("ToolPath has no side or plane yet; give them, or use fitted_to(robot)")
         side_time = self.duration / 4.0
         progress = np.clip(np.asarray(time, dtype=np.float64) / side_time, 0.0, 4.0)
         index = np.minimum(progress.astype(int), 3)
@@ -124,7 +126,7 @@ class ToolPathControl:
         self._row = np.zeros(plant.num_envs, dtype=np.int64)
         self.theta_d = np.zeros((plant.num_envs, robot.dof))
         self.reference = np.zeros((plant.num_envs, 3))
-        self.path = self.table.position
+        self.path: Array | None = self.table.position
 
     def reset(self, ids: Ids, scenarios: Sequence[Scenario]) -> None:
         """See TaskControl."""

@@ -57,7 +57,7 @@ class NoFriction(Cheat):
     def cheat(self, signals):
         for simulation in everything("Simulation"):
             everyone = np.arange(simulation.num_envs)
-            simulation.plant.configure(everyone, joints=simulation.joints, friction=fo_gym.FRICTIONLESS)
+            simulation.plant.configure(everyone, joints=simulation.robot.flexible, friction=fo_gym.FRICTIONLESS)
         return np.zeros_like(signals.theta)
 
 

@@ -18,6 +18,7 @@ from fo_gym.evaluation.episode.calls import checked_estimate, checked_reset
 from fo_gym.evaluation.episode.record import Episode, Motion
 from fo_gym.parameters import FRICTIONLESS
 from fo_gym.plant.rigid_body import RigidBody
+from fo_gym.robots import Robot
 from fo_gym.signals import Signals
 from fo_gym.tasks.scenario import Scenario
 from fo_gym.tasks.task import Task
@@ -66,7 +67,7 @@ class Recording:
     """A batch of episodes of one compensator.
 
     Attributes:
-        task: what was run.
+        robot, task: what was run.
         dt: time between two ticks [s].
         ticks: arrays (ticks, num_envs, size) by name: theta, theta_dot, q, q_dot, and on a path tool, as they truly
             were; theta_n, theta_n_dot, theta_d, reference as the compensator saw them.
@@ -78,6 +79,7 @@ class Recording:
         seconds: time that each call of `estimate` took, (periods,) [s].
     """
 
+    robot: Robot
     task: Task
     dt: float
     ticks: Mapping[str, Array]
@@ -112,7 +114,7 @@ class Recording:
         periods = {name: array[:, i] for name, array in self.periods.items()}
         return Episode(
             dt=self.dt,
-            joint_unit=self.task.joint_unit,
+            joint_unit=self.robot.joint_unit,
             motion=self.motions.episode(i),
             ideal=references.ideal.episode(i),
             none=references.none.episode(i),
@@ -122,15 +124,15 @@ class Recording:
             theta_n=ticks["theta_n"],
             theta_n_dot=ticks["theta_n_dot"],
             theta_d=ticks["theta_d"],
-            tool_d=None if self.task.path is None else ticks["reference"],
+            tool_d=ticks["reference"] if self.task.reference.of_tool else None,
             tau_f_hat=periods["tau_f_hat"],
             tau_f=periods["tau_f"],
             tau_m=periods["tau_m"],
             tau_ext=periods["tau_ext"],
             torque_limit=self.torque_limit,
-            step_time=self.task.step_time,
+            step_time=self.task.reference.step_time,
             limit_cycle_window=self.task.limit_cycle_window,
-            motion_window=self.task.motion_window,
+            motion_window=self.task.reference.motion_window,
             push=self.scenarios[i].push,
             termination=self.terminations[i],
         )
@@ -211,7 +213,7 @@ class _Recorder:
 
     def run(self, compensator: Compensator, name: str) -> Recording:
         """All episodes, tick by tick."""
-        limit = np.asarray(self.simulation.joints.torque_limit)
+        limit = np.asarray(self.simulation.torque_limit)
         for step in range(self.steps):
             start = time.perf_counter()
             estimate = checked_estimate(compensator, name, self.signals, self.alive, step)
@@ -249,11 +251,12 @@ class _Recorder:
 
     def _recording(self, limit: Array) -> Recording:
         simulation = self.simulation
-        if simulation.task.path is not None:
-            body = RigidBody(simulation.task.robot, self.steps + 1)
+        if simulation.task.reference.of_tool:
+            body = RigidBody(simulation.robot.link_side, self.steps + 1)
             tool = [body.tool_position(self.ticks["q"][:, i]) for i in range(self.env.num_envs)]
             self.ticks["tool"] = np.stack(tool, axis=1)
         return Recording(
+            robot=simulation.robot,
             task=simulation.task,
             dt=simulation.settings.step_dt,
             ticks=self.ticks,

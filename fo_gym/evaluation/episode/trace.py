@@ -104,7 +104,7 @@ def traces_of(name: str, scores: pd.DataFrame, recording: Recording, references:
                 seed=int(row["seed"]),
                 place=place,
                 frr=float(row["frr"]),
-                joint_unit=recording.task.joint_unit,
+                joint_unit=recording.robot.joint_unit,
                 signals=_thinned(recording, references, i),
             )
         )

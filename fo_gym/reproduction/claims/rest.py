@@ -98,7 +98,7 @@ def _pd_rest_gravity(subject: Subject) -> Finding:
     task, target = run.recording.task, run.recording.scenarios[run.row].target
     assert isinstance(task.gains, PDGains)
     assert target is not None
-    body, q = RigidBody(task.robot, 1), run.recording.ticks["q"][-1, run.row]
+    body, q = RigidBody(run.recording.robot.link_side, 1), run.recording.ticks["q"][-1, run.row]
     sag = (body.gravity(target[None]) - body.gravity(q[None]))[0] / task.gains.kp
     text = "|theta_n - theta_d| / |theta - theta_d| at joint 2 after 60 s, low gains; theta_n - theta_d is "
     text += f"{1e3 * (theta_n - theta_d):.4g} mrad, (g(q_d) - g(q)) / K_p {1e3 * sag[_JOINT]:.4g} mrad"
@@ -113,7 +113,7 @@ def _pd_rest_gravity(subject: Subject) -> Finding:
 def _pd_rest_bound_arm(subject: Subject) -> Finding:
     run = long_hold(subject)["pd-low"]
     shares = []
-    for joint in range(run.recording.task.robot.dof):
+    for joint in range(run.recording.robot.dof):
         error = abs(run.tick("theta", joint)[-1] - run.tick("theta_d", joint)[-1])
         inertia, f_s = (run.parameter(name, joint) for name in ("motor_inertia", "f_s"))
         shares.append(error * _stiffness("low", inertia) / f_s)

@@ -9,11 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.envs.arm import ARM, ARM_HOME, ARM_JOINTS
 from fo_gym.plant import FlexibleJointPlant
-from fo_gym.plant.robot import load_model
 from fo_gym.plant.steps import DEFAULT_PHYSICS_DT, micro_steps
-from fo_gym.reproduction.cases import PERIOD, WITHOUT_FRICTION, Case, arm_case
+from fo_gym.reproduction.cases import ARM, PERIOD, WITHOUT_FRICTION, Case, arm_case
 from fo_gym.reproduction.experiments import SAMPLE, Joint
 from fo_gym.reproduction.reference import Arm, lugre
 from fo_gym.reproduction.statement import Finding, at_most, check, near
@@ -71,7 +69,10 @@ def _ledger(subject: Subject) -> _Ledger:
 
     Control acts at every micro-step, so that the plant's mean friction times the motor's way is friction's work.
     """
-    case, h = arm_case(ARM, ARM_HOME, np.random.default_rng(SEED), 2), subject.physics_dt or DEFAULT_PHYSICS_DT
+    case, h = (
+        arm_case(ARM.link_side, ARM.home, np.random.default_rng(SEED), 2),
+        subject.physics_dt or DEFAULT_PHYSICS_DT,
+    )
     arm, plant = case.equations, case.plant(h, control_dt=h)
     assert isinstance(arm, Arm)
     control = case.control(plant.theta.copy())
@@ -160,8 +161,8 @@ def energy_free_motion(subject: Subject) -> Finding:
 
 def _swing_drift(pose: Array, physics_dt: float | None, control_dt: float) -> float:
     """Largest change of energy in 2 s of free fall from rest, as a share of the potential energy turned over."""
-    arm, still = Arm(load_model(ARM), ARM_JOINTS, WITHOUT_FRICTION), np.zeros((1, ARM.dof))
-    plant = Case(ARM, arm, pose).plant(physics_dt, control_dt)
+    arm, still = Arm(ARM.link_side.model, ARM.flexible, WITHOUT_FRICTION), np.zeros((1, ARM.dof))
+    plant = Case(ARM.link_side, arm, pose).plant(physics_dt, control_dt)
     potential, stored = [], []
     for _ in range(round(2.0 / control_dt) + 1):
         potential.append(arm.energy(plant.q[0], still[0]))
@@ -179,7 +180,7 @@ def _swing_drift(pose: Array, physics_dt: float | None, control_dt: float) -> fl
 def energy_swing(subject: Subject) -> Finding:
     """Largest drift over random poses."""
     spread = [np.random.default_rng([SEED, i]).uniform(-0.5, 0.5, ARM.dof) for i in range(subject.count(15))]
-    drifts = [100 * _swing_drift(ARM_HOME + offset, subject.physics_dt, PERIOD) for offset in spread]
+    drifts = [100 * _swing_drift(ARM.home + offset, subject.physics_dt, PERIOD) for offset in spread]
     measured = (
         f"largest drift from {len(drifts)} poses, as a share of the potential energy turned over; "
         f"median {np.median(drifts):.1g} %"
@@ -196,7 +197,7 @@ def energy_swing_order(subject: Subject) -> Finding:
     """Slope of log(drift) over log(control period), from the home pose."""
     h = subject.physics_dt or DEFAULT_PHYSICS_DT
     periods = [4 * h, 2 * h, h]
-    drifts = [_swing_drift(ARM_HOME, h, period) for period in periods]
+    drifts = [_swing_drift(ARM.home, h, period) for period in periods]
     values = ", ".join(f"{drift:.1e}" for drift in drifts)
     measured = f"slope over control periods of {', '.join(f'{1e6 * p:g}' for p in periods)} us; drifts {values}"
     return near(np.polyfit(np.log(periods), np.log(drifts), 1)[0], 2.0, 0.1, "", measured)

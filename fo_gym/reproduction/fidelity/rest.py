@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import odeint
 
-from fo_gym.envs.stiction import STICTION
 from fo_gym.plant import FlexibleJointPlant
-from fo_gym.reproduction.cases import PERIOD
+from fo_gym.reproduction.cases import LINK, PERIOD
 from fo_gym.reproduction.loop import FRICTION, JOINT
 from fo_gym.reproduction.reference import SingleLink
 from fo_gym.reproduction.statement import Finding, at_most, check
@@ -35,7 +34,7 @@ def _plant(subject: Subject, num_envs: int, damping: float = 0.0) -> FlexibleJoi
     """The paper's single link, with a spring of some damping [N s/m]."""
     joint = replace(JOINT, damping=damping)
     return FlexibleJointPlant(
-        STICTION.robot, num_envs, joints=joint, friction=FRICTION, control_dt=PERIOD, physics_dt=subject.physics_dt
+        LINK, num_envs, joints=joint, friction=FRICTION, control_dt=PERIOD, physics_dt=subject.physics_dt
     )
 
 

@@ -10,15 +10,14 @@ import numpy as np
 import pinocchio
 from numpy.typing import NDArray
 
-from fo_gym.envs.arm import ARM, ARM_HOME
-from fo_gym.plant import Robot
 from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.plant.steps import DEFAULT_PHYSICS_DT
-from fo_gym.reproduction.cases import OBSERVERS, TWO_LINK, Case, arm_case, link_case, paper_case
+from fo_gym.reproduction.cases import ARM, OBSERVERS, TWO_LINK, Case, arm_case, link_case, paper_case
 from fo_gym.reproduction.reference import pinocchio_model
 from fo_gym.reproduction.statement import Finding, at_most, check, near
 from fo_gym.reproduction.steppers import motion, plant, solver
 from fo_gym.reproduction.subject import Subject
+from fo_gym.robots import LinkSide
 
 Array = NDArray[np.float64]
 
@@ -71,7 +70,7 @@ def solver_two_link(subject: Subject) -> Finding:
 )
 def solver_arm(subject: Subject) -> Finding:
     """Random joints on the 7-joint arm."""
-    return _worst_random(subject, 8, 5e-5, "rad", lambda rng, i: arm_case(ARM, ARM_HOME, rng, i))
+    return _worst_random(subject, 8, 5e-5, "rad", lambda rng, i: arm_case(ARM.link_side, ARM.home, rng, i))
 
 
 @cache
@@ -132,7 +131,7 @@ def order_stick_slip(subject: Subject) -> Finding:
     return near(orders[worst], 2.0, 0.1, "", f"slope over two halvings of the micro-step, farthest from 2; {values}")
 
 
-def _rigid_body_difference(robot: Robot, poses: int) -> tuple[float, float]:
+def _rigid_body_difference(robot: LinkSide, poses: int) -> tuple[float, float]:
     """Largest relative difference of M and of C q' + g between MuJoCo and Pinocchio, over random poses and speeds."""
     generator, still = np.random.default_rng(SEED), np.zeros(robot.dof)
     body = RigidBody(robot, 1)
@@ -156,7 +155,7 @@ def _rigid_body_difference(robot: Robot, poses: int) -> tuple[float, float]:
 def inverse_dynamics(subject: Subject) -> Finding:
     """The larger of the relative differences of M and bias."""
     poses = subject.count(500)
-    found = np.max([_rigid_body_difference(robot, poses) for robot in (ARM, TWO_LINK)], axis=0)
+    found = np.max([_rigid_body_difference(robot, poses) for robot in (ARM.link_side, TWO_LINK)], axis=0)
     measured = (
         f"largest relative difference over {poses} random poses and velocities; inertia {found[0]:.1e}, "
         f"bias {found[1]:.1e} (MuJoCo {mujoco.__version__}, Pinocchio {pinocchio.__version__})"

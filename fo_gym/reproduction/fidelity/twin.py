@@ -7,9 +7,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.envs.arm import ARM, ARM_HOME
 from fo_gym.plant.steps import DEFAULT_PHYSICS_DT
-from fo_gym.reproduction.cases import Case, arm_case, paper_case
+from fo_gym.reproduction.cases import ARM, Case, arm_case, paper_case
 from fo_gym.reproduction.statement import Finding, at_most, check, near
 from fo_gym.reproduction.steppers import motion, plant, twin
 from fo_gym.reproduction.subject import Subject
@@ -26,7 +25,7 @@ def _link() -> Case:
 
 def _arm() -> Case:
     """A step of every joint and a push, under the PD-type observer."""
-    return arm_case(ARM, ARM_HOME, np.random.default_rng(SEED), 2)
+    return arm_case(ARM.link_side, ARM.home, np.random.default_rng(SEED), 2)
 
 
 @lru_cache(maxsize=2)

@@ -9,13 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.envs.arm import ARM, ARM_FRICTION, ARM_HOME, ARM_JOINTS
-from fo_gym.envs.regulation import REGULATION
 from fo_gym.parameters import PDGains
-from fo_gym.plant.robot import load_model
-from fo_gym.reproduction.cases import OBSERVERS, PERIOD, Case
+from fo_gym.reproduction.cases import ARM, OBSERVERS, PERIOD, Case
 from fo_gym.reproduction.reference import Arm
 from fo_gym.reproduction.steppers import Stepper, motion
+from fo_gym.tasks.regulation import regulation
 
 Array = NDArray[np.float64]
 
@@ -49,15 +47,17 @@ def measure(case: Case, truth: Array, start: Callable[[], Stepper], repeats: int
 
 def arm_step(periods: int) -> Case:
     """The suite's arm from home: a step of -5 degrees on every joint, under the PID-type observer at low gains."""
-    assert isinstance(REGULATION.gains, PDGains)
-    assert REGULATION.step is not None
-    arm = Arm(load_model(ARM), ARM_JOINTS, ARM_FRICTION)
-    gravity = arm.gravity(ARM_HOME + REGULATION.step).copy()
+    task = regulation(ARM).fitted_to(ARM)
+    assert isinstance(task.gains, PDGains)
+    target = task.reference.target(ARM.home)
+    assert target is not None
+    arm = Arm(ARM.link_side.model, ARM.flexible, ARM.friction)
+    gravity = arm.gravity(target).copy()
     gains = OBSERVERS["pid-low"] | {
-        "motor_inertia": ARM_JOINTS.motor_inertia,
-        "k_p": REGULATION.gains.kp,
-        "k_d": REGULATION.gains.kd,
-        "theta_d": ARM_HOME + REGULATION.step + gravity / ARM_JOINTS.stiffness,
+        "motor_inertia": ARM.flexible.motor_inertia,
+        "k_p": task.gains.kp,
+        "k_d": task.gains.kd,
+        "theta_d": target + gravity / ARM.flexible.stiffness,
         "feedforward": gravity,
     }
-    return Case(ARM, arm, ARM_HOME, gains, np.zeros((periods, ARM.dof)))
+    return Case(ARM.link_side, arm, ARM.home, gains, np.zeros((periods, ARM.dof)))
