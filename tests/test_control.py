@@ -247,7 +247,7 @@ def test_friction_free_motion_stays_near_the_reference():
 def test_theta_d_holds_the_links_at_q_d(env_id, variant, table):
     """theta_d = q_d + K_j^-1 g(q_d), with the episode's own stiffness and masses; before, at and after a step."""
     env = gym.make(env_id, variant=variant, duration=3.5).unwrapped
-    target = env.task.q_start + np.linspace(-0.1, 0.1, 7)
+    target = env.simulation.robot.home + np.linspace(-0.1, 0.1, 7)
     obs, _ = env.reset(seed=3, options=None if env_id == SQUARE_ID else {"target": target})
     (episode,) = env.simulation.scenarios
     plain = Plain(episode.mass_scale)

@@ -233,7 +233,7 @@ def table(docstring, section):
 @every_env
 def test_docstring_tables_match_the_spaces(env_id):
     env = make(env_id)
-    doc, names = inspect.getdoc(type(env)), env.simulation.task.robot.joints
+    doc, names = inspect.getdoc(type(env)), env.simulation.robot.joints
     rows, counts, starts = table(doc, "Action")
     assert counts == [1] * env.action_space.shape[0]
     assert [row[4] for row in rows] == list(names)
@@ -262,7 +262,11 @@ def test_render_fps_is_real_time(env_id):
 def test_every_parameter_has_an_effect(env_id, argument):
     """A tenth more of it moves every motor by more than 1e-9 in 0.1 s: a million roundings of the positions."""
     plain = make(env_id)
-    usual, motion = getattr(plain.task, argument), drive(plain)[:, : plain.simulation.dof]
+    usual = getattr(
+        plain.simulation.task if argument == "gains" else plain.simulation.robot,
+        {"joints": "flexible"}.get(argument, argument),
+    )
+    motion = drive(plain)[:, : plain.simulation.dof]
     moved = {}
     for field in fields(usual):
         value = getattr(usual, field.name)

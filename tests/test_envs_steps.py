@@ -40,7 +40,7 @@ def test_auto_is_the_longest_that_follows_the_ranges() -> None:
 
 @pytest.mark.parametrize("env_id", IDS[:2])
 def test_auto_runs_what_the_default_refuses_and_alone_is_as_in_a_batch(env_id: str) -> None:
-    friction = replace(make(env_id).task.friction, **HARD)
+    friction = replace(make(env_id).simulation.robot.friction, **HARD)
     arguments = {"friction": friction, "variant": "randomized", "duration": 1.0}
     with pytest.raises(ValueError, match=r"the ringing of its bristle.*use a physics_dt of at most"):
         gym.make(env_id, **arguments)

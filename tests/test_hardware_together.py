@@ -14,6 +14,7 @@ import fo_gym
 from fo_gym import Signals
 from fo_gym import hardware as hw
 from fo_gym.hardware import Hardware, SensorModel
+from fo_gym.robots import robot_of
 
 STICTION, REGULATION, SQUARE = IDS
 EFFECTS = [field.name for field in fields(Hardware)]
@@ -21,7 +22,7 @@ EFFECTS = [field.name for field in fields(Hardware)]
 
 def only(env_id, name):
     """The environment's own effects, all but one switched off."""
-    own = make(env_id).task.hardware
+    own = robot_of(make(env_id).robot).hardware
     return replace(Hardware(), **{name: getattr(own, name)})
 
 
@@ -36,7 +37,7 @@ class TestTogether:
     @every_env
     def test_each_effect_can_be_switched_alone_and_matters(self, env_id, name):
         """Against the same episode without effects: the motion of 0.4 s, or of the push, is another one."""
-        own = getattr(make(env_id).task.hardware, name)
+        own = getattr(make(env_id, variant="hardware").simulation.robot.hardware, name)
         assert own is not None
         if name == "saturation":
             return  # its own test below: the limits are not reached by a sane command
@@ -60,7 +61,7 @@ class TestTogether:
 
     @every_env
     def test_switching_one_effect_leaves_the_others_draws_alone(self, env_id):
-        own = make(env_id).task.hardware
+        own = robot_of(make(env_id).robot).hardware
         full = make(env_id, variant="hardware").simulation.scenarios[0]
         for name in ("load", "ripple", "temperature", "delay"):
             less = make(env_id, variant="hardware", hardware=replace(own, **{name: None})).simulation.scenarios[0]

@@ -119,7 +119,7 @@ def test_plants(pendulum: MakeRobot) -> None:
         for value in (True, 0, -1, 2.5, "2", None, 10**9)
     ]
     cases += [
-        ("robot", "arm.xml", lambda value: FlexibleJointPlant(value, 1, joints=JOINTS, friction=FRICTION)),
+        ("link_side", "arm.xml", lambda value: FlexibleJointPlant(value, 1, joints=JOINTS, friction=FRICTION)),
         ("joints", FRICTION, lambda value: FlexibleJointPlant(robot, 1, joints=value, friction=FRICTION)),
         ("friction", None, lambda value: FlexibleJointPlant(robot, 1, joints=JOINTS, friction=value)),
     ]

@@ -101,10 +101,10 @@ def plain_end(tmp_path_factory: pytest.TempPathFactory) -> np.ndarray:
 
 @pytest.mark.parametrize(
     "attributes",
-    ['stiffness="40" springref="0.8"', 'damping="2"', 'armature="0.3"', 'stiffness="40" damping="2"'],
+    ['stiffness="40" springref="0.8"', 'damping="2"', 'stiffness="40" damping="2"'],
 )
 def test_passive_joints_of_the_file_are_honoured(pendulum: MakeRobot, plain_end: np.ndarray, attributes: str) -> None:
-    """A falling double pendulum whose shoulder has the file's spring, damper or armature, against the solver.
+    """A falling double pendulum whose shoulder has the file's spring or damper, against the solver.
 
     1e-5 rad on a fall of 0.5 rad, although inertia and all that depends on velocity are held over a control period.
     """
@@ -122,7 +122,7 @@ def test_limits_and_contacts_stay_out_of_the_loop(pendulum: MakeRobot) -> None:
     )
     np.testing.assert_array_equal(drive(plant_of(limited), 300), expected)
     # MuJoCo itself, asked about the last pose, sees both.
-    model = mujoco.MjModel.from_xml_path(str(limited.path))
+    model = mujoco.MjModel.from_xml_path(str(limited.file))
     data = mujoco.MjData(model)
     data.qpos[:] = expected[-1, 0, 0]
     mujoco.mj_forward(model, data)

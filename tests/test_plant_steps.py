@@ -73,7 +73,7 @@ def test_periods_must_be_positive(bad: float) -> None:
 def test_too_long_micro_step_is_refused_with_numbers(pendulum: MakeRobot) -> None:
     """The fastest mode, K_j (1/B + (M^-1)_jj), from the link's own inertia matrix; the advised step is accepted."""
     robot, stiff = pendulum(), replace(JOINTS, stiffness=np.array([3e3, 3e5]))
-    arm = MujocoArm(robot.path, stiff, FRICTION)
+    arm = MujocoArm(robot.file, stiff, FRICTION)
     inverse = np.linalg.inv(dense_inertia(arm, np.zeros(2)))
     omega = np.sqrt(3e5 * (1.0 + inverse[1, 1]))
     with pytest.raises(ValueError, match=r"0\.0005 s.*'elbow'") as refusal:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from environments import every_env, make
 
-from fo_gym.parameters import per_joint
+from fo_gym.tasks.step import Step
 from fo_gym.tasks.task import Randomization, draw_scenario
 
 DRAWS = 400
@@ -21,8 +21,9 @@ def scenarios():
 
     def of(env_id):
         if env_id not in made:
-            task, rng = make(env_id).task, np.random.default_rng(0)
-            made[env_id] = [draw_scenario(task, "randomized", task.joints, task.friction, rng) for _ in range(DRAWS)]
+            simulation, rng = make(env_id).simulation, np.random.default_rng(0)
+            robot, task = simulation.robot, simulation.task
+            made[env_id] = [draw_scenario(robot, task, "randomized", rng) for _ in range(DRAWS)]
         return made[env_id]
 
     return of
@@ -36,9 +37,8 @@ def fill(values, low, high):
 
 @every_env
 def test_parameters_fill_their_ranges(env_id, scenarios):
-    task, drawn = make(env_id).task, scenarios(env_id)
-    spread, dof = task.randomization, task.robot.dof
-    friction, joints = per_joint(task.friction, dof), per_joint(task.joints, dof)
+    simulation, drawn = make(env_id).simulation, scenarios(env_id)
+    spread, friction, joints = simulation.task.randomization, simulation.robot.friction, simulation.robot.flexible
 
     def factors(part, name, nominal):
         return np.array([getattr(getattr(scenario, part), name) for scenario in drawn]) / getattr(nominal, name)
@@ -59,33 +59,34 @@ def test_parameters_fill_their_ranges(env_id, scenarios):
 
 @every_env
 def test_start_target_and_push_fill_their_ranges(env_id, scenarios):
-    task, drawn = make(env_id).task, scenarios(env_id)
-    spread = task.randomization
-    assert fill(np.array([scenario.q_start for scenario in drawn]) - task.q_start, -spread.start, spread.start)
+    simulation, drawn = make(env_id).simulation, scenarios(env_id)
+    task, home, spread = simulation.task, simulation.robot.home, simulation.task.randomization
+    largest = np.max(spread.start)
+    assert fill(np.array([scenario.q_start for scenario in drawn]) - home, -largest, largest)
     assert fill(np.array([scenario.push.time for scenario in drawn]), *spread.push_time)
     peak = np.abs(task.random_push.torque).max()
     sizes = np.array([np.abs(scenario.push.torque).max() for scenario in drawn]) / peak
     assert fill(sizes, *spread.push)
     signs = {float(np.sign(scenario.push.torque @ task.random_push.torque)) for scenario in drawn}
     assert signs == {-1.0, 1.0}
-    if task.step is None:
+    if not isinstance(task.reference, Step):
         assert all(scenario.target is None for scenario in drawn)
         return
-    steps = (np.array([scenario.target for scenario in drawn]) - task.q_start) / task.step
+    steps = (np.array([scenario.target for scenario in drawn]) - home) / task.reference.size
     assert fill(np.abs(steps), *spread.step)
     # Every joint has a sign of its own, about as often one as the other (four standard deviations).
     share = (steps > 0.0).mean(axis=0)
     assert np.all(np.abs(share - 0.5) < 4.0 * 0.5 / np.sqrt(DRAWS))
-    if task.robot.dof > 1:
+    if len(home) > 1:
         assert np.any(np.sign(steps[:, 0]) != np.sign(steps[:, 1]))
 
 
 @every_env
 def test_other_ranges_are_drawn_from(env_id):
     """`randomization` replaces the task's own ranges, in this environment alone."""
-    wide = replace(make(env_id).task.randomization, friction=(5.0, 5.0), mass=(0.9, 0.9))
+    wide = replace(make(env_id).simulation.task.randomization, friction=(5.0, 5.0), mass=(0.9, 0.9))
     env, own = make(env_id, variant="randomized", randomization=wide), make(env_id, variant="randomized")
-    nominal = per_joint(env.task.friction, env.simulation.dof).f_c
+    nominal = env.simulation.robot.friction.f_c
     (scenario,), (usual,) = env.simulation.scenarios, own.simulation.scenarios
     np.testing.assert_allclose(scenario.friction.f_c, 5.0 * nominal, rtol=1e-12)
     assert scenario.mass_scale == pytest.approx(0.9)

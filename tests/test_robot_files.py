@@ -13,7 +13,7 @@ from fo_gym.plant import FlexibleJointPlant
 from fo_gym.robots import LinkSide
 
 
-@pytest.mark.parametrize("joints", [("shoulder",), ("elbow", "shoulder"), ("shoulder", "wrist"), ()])
+@pytest.mark.parametrize("joints", [("elbow", "shoulder"), ("shoulder", "wrist"), ()])
 def test_other_joints_than_the_files_are_refused(pendulum: MakeRobot, joints: tuple[str, ...]) -> None:
     with pytest.raises(ValueError, match=r"\('shoulder', 'elbow'\)"):
         assert replace(pendulum(), joints=joints).model

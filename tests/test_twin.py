@@ -91,12 +91,12 @@ def test_joints_without_bristles_have_no_bristle(pendulum: MakeRobot) -> None:
 
 
 def test_motors_inherit_nothing_from_the_file(pendulum: MakeRobot) -> None:
-    """Damping, armature and range of the file's defaults stay with the links; keyframes of the links go."""
+    """Damping and range of the file's defaults stay with the links; armature and keyframes of the links go."""
     plant = plant_of(pendulum(rest=DEFAULTS))
     model, data = plant.to_mujoco()
     assert model.nkey == 0
     np.testing.assert_array_equal(model.dof_damping, [0.5, 0.5, 0.4, 0.4])
-    np.testing.assert_allclose(model.dof_armature, [0.2, 0.2, 1.0, 1.0], rtol=1e-8)  # the motors' B
+    np.testing.assert_allclose(model.dof_armature, [0.0, 0.0, 1.0, 1.0], rtol=1e-8)  # the motors' B
     np.testing.assert_array_equal(model.jnt_limited[2:], 0)
     step_twin(model, data, plant.tau_j[0], np.zeros(2), 100)
     assert data.nefc == 0, "the links' range acts"

@@ -99,8 +99,6 @@ class Task:
         instance("Task.reference", self.reference, Reference)
         number("Task.duration", self.duration, POSITIVE, "s")
         check_values(self, reward_scale=POSITIVE)
-        if self.gains is not None and not isinstance(self.gains, PDGains | ImpedanceGains):
-            raise ValueError(f"Task.gains is {shown(self.gains)}; give PDGains(...), ImpedanceGains(...) or None")
         for name, kind in (("push", Push), ("random_push", Push), ("push_time", PushTime)):
             instance(f"Task.{name}", getattr(self, name), kind, none="none")
         instance("Task.randomization", self.randomization, Randomization)
