@@ -8,7 +8,6 @@ import gymnasium as gym
 import mujoco
 import numpy as np
 import pytest
-from fo_gym.tasks.path import SquarePath, path_table
 from scipy.optimize import root
 from scipy.spatial.transform import Rotation
 
@@ -20,6 +19,8 @@ from fo_gym.control.nominal_motor import NominalMotor
 from fo_gym.parameters import ImpedanceGains, PDGains
 from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.robots import LinkSide
+from fo_gym.tasks.kinematics import path_table
+from fo_gym.tasks.tool_path import ToolPath
 
 STICTION_ID, REGULATION_ID, SQUARE_ID = "FJRStiction-v0", "FJRRegulation-v0", "FJRSquare-v0"
 ROBOT = LinkSide(asset_path("miro_like"), tuple(f"joint{i}" for i in range(1, 8)), tool="tool")
@@ -164,7 +165,7 @@ def test_impedance_row_by_row(plain):
     np.testing.assert_array_equal(cases.torque(), np.concatenate(rows))
 
 
-SQUARE = SquarePath(side=0.15, duration=5.0, first=(0.0, -1.0, 0.0), second=(0.0, 0.0, -1.0))
+SQUARE = ToolPath(side=0.15, duration=5.0, first=(0.0, -1.0, 0.0), second=(0.0, 0.0, -1.0))
 
 
 def test_square_is_a_square():
@@ -220,7 +221,7 @@ def test_inverse_kinematics_of_the_square(plain, table):
 
 
 def test_paths_out_of_reach_are_refused(plain):
-    far = SquarePath(side=3.0, duration=5.0, first=(1.0, 0.0, 0.0), second=(0.0, 0.0, -1.0))
+    far = ToolPath(side=3.0, duration=5.0, first=(1.0, 0.0, 0.0), second=(0.0, 0.0, -1.0))
     with pytest.raises(ValueError, match="out of reach"):
         path_table(ROBOT, far, plain.home, 0.05, ["joint3"])
     rail = LinkSide(asset_path("single_link"), ("joint",))

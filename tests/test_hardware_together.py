@@ -14,7 +14,6 @@ import fo_gym
 from fo_gym import Signals
 from fo_gym import hardware as hw
 from fo_gym.hardware import Hardware, SensorModel
-from fo_gym.robots import robot_of
 
 STICTION, REGULATION, SQUARE = IDS
 EFFECTS = [field.name for field in fields(Hardware)]
@@ -22,7 +21,7 @@ EFFECTS = [field.name for field in fields(Hardware)]
 
 def only(env_id, name):
     """The environment's own effects, all but one switched off."""
-    own = robot_of(make(env_id).robot).hardware
+    own = make(env_id, variant="hardware").simulation.robot.hardware
     return replace(Hardware(), **{name: getattr(own, name)})
 
 
@@ -61,7 +60,7 @@ class TestTogether:
 
     @every_env
     def test_switching_one_effect_leaves_the_others_draws_alone(self, env_id):
-        own = robot_of(make(env_id).robot).hardware
+        own = make(env_id, variant="hardware").simulation.robot.hardware
         full = make(env_id, variant="hardware").simulation.scenarios[0]
         for name in ("load", "ripple", "temperature", "delay"):
             less = make(env_id, variant="hardware", hardware=replace(own, **{name: None})).simulation.scenarios[0]
