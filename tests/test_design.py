@@ -178,7 +178,7 @@ def test_impedance_of_a_gantry_is_closed_form(tmp_path: Path) -> None:
 
 
 def test_the_papers_gains_follow_on_the_shipped_arm() -> None:
-    """1000 N/m and K_p = 50 at joint 2, designed with the arm's own motors; orientation and damping are not below it."""
+    """1000 N/m and K_p = 50 at joint 2, with the arm's own motors; orientation and damping are not below."""
     model = compiled(miro())
     motors = np.array([1.2, 1.2, 1.2, 1.2, 0.6, 0.6, 0.6])
     limit = np.array([150.0, 150.0, 100.0, 100.0, 50.0, 40.0, 40.0])

@@ -51,6 +51,7 @@ viscous friction damps it, and is raised here."""
 
 POSITION = Response(10.0, 1.0)
 ORIENTATION = Response(5.0, 0.7)
+ELBOW = Response(7.0, 0.7)
 """Impedance: the paper's 1000 N/m, 200 N s/m and 10 N m/rad, 2 N m s/rad on the MIRO-like arm."""
 
 
@@ -93,10 +94,10 @@ def designed_impedance(
 ) -> ImpedanceGains:
     """Impedance gains from the inertia that the controlled coordinates feel at home, links and motors together.
 
-    With A the Jacobian of tool position, tool orientation and redundant joints, Lambda = A^-T (M + B) A^-1. Each part gets
-    K_p = bandwidth^2 Lambda and K_d = 2 damping sqrt(K_p Lambda), Lambda the geometric mean over its own directions, at
-    most what STIFFNESS_RATE and DAMPING_RATE allow the motors. The orientation's gains are without effect where the
-    position alone is controlled, as are the elbow's where no joint is redundant.
+    With A the Jacobian of tool position, tool orientation and redundant joints, Lambda = A^-T (M + B) A^-1. Each part
+    gets K_p = bandwidth^2 Lambda and K_d = 2 damping sqrt(K_p Lambda), Lambda the geometric mean over its own
+    directions, at most what STIFFNESS_RATE and DAMPING_RATE allow the motors. The orientation's gains are without
+    effect where the position alone is controlled, as are the elbow's where no joint is redundant.
 
     Args:
         model: the compiled link side, without armature.
@@ -122,6 +123,6 @@ def designed_impedance(
 
     position = gains(slice(0, 3), POSITION)
     orientation = gains(slice(3, 6), ORIENTATION) if rows == 6 else position
-    elbow = [gains(slice(i, i + 1), ORIENTATION) for i in range(rows, model.nq)]
+    elbow = [gains(slice(i, i + 1), ELBOW) for i in range(rows, model.nq)]
     kp_elbow, kd_elbow = np.array(elbow).T if elbow else orientation
     return ImpedanceGains(*position, *orientation, kp_elbow, kd_elbow)
