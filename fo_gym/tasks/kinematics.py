@@ -86,7 +86,8 @@ class ToolKinematics:
             raise ValueError("a tool path needs a robot with a tool; name a site, a body or a link of its file")
         if robot.dof < 3:
             raise ValueError(f"a tool path needs a robot with at least 3 joints; this one has {robot.dof}")
-        if len(set(redundant)) != robot.dof - self.rows or not set(redundant) <= set(robot.joints):
+        known = len(set(redundant) & set(robot.joints))
+        if not known == len(redundant) == robot.dof - self.rows:
             raise ValueError(
                 f"redundant joints are {tuple(redundant)}; a tool path of a robot with {robot.dof} joints needs "
                 f"{robot.dof - self.rows} of {robot.joints}, each once"

@@ -1,12 +1,111 @@
-"""PLACEHOLDER."""
+"""Side and plane of a square that an arm can draw from its start pose."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import product
 
-from fo_gym.robots import Robot
+import numpy as np
+from numpy.typing import NDArray
+
+from fo_gym.plant import Robot
+from fo_gym.robots.poses import Poses, joint_range, scaled
+from fo_gym.tasks.path import MAX_RESIDUAL, SquarePath, ToolKinematics
+
+Array = NDArray[np.float64]
+
+LARGEST_SIDE = 0.15
+"""Side of a square where nothing asks for less [m]: the paper's."""
+
+SIDE_SHARE = 0.3
+"""Side at most, as a share of the tool's longest lever."""
+
+SIZES = (1.0, 0.85, 0.7, 0.55, 0.4, 0.3, 0.2)
+"""Sides that are tried, as shares of the largest."""
+
+SINGULAR = 0.08
+"""Smallest singular value along a path, without dimension (robots.poses.scaled): a joint moves by at most 1 / SINGULAR
+radians while the tool moves by its longest lever."""
+
+MARGIN, MARGIN_SHARE = 0.4, 0.1
+"""What joints keep from the ends of their ranges [rad, or natural units of a slide], since the friction-free motion
+leaves the reference by up to 0.4 rad (iiwa); and the share of the range that is enough where it is small."""
+
+_PER_SIDE = 8
+_DIGITS = 3
+"""Scores count to these digits, so that the last bits of a processor decide nothing; of equals the first is taken."""
+
+__all__ = ["fitted_square"]
 
 
-def fitted_square(robot: Robot, duration: float, side: Any, first: Any, second: Any) -> Any:
-    """PLACEHOLDER."""
-    return 0.15, (0.0, -1.0, 0.0), (0.0, 0.0, -1.0)
+def _planes() -> list[tuple[Array, Array]]:
+    """Directions of first and second side: all quarters of the three planes of the world's axes, the upright first."""
+    x, y, z = np.eye(3)
+    signs = list(product((-1.0, 1.0), repeat=2))
+    return [(s * first + 0.0, t * second + 0.0) for first, second in ((y, z), (x, z), (x, y)) for s, t in signs]
+
+
+def fitted_square(
+    robot: Robot, q_start: Array, redundant: Sequence[str], duration: float, side: float | None = None
+) -> SquarePath:
+    """The largest square from the tool's start that keeps away from singular poses and from the joints' limits.
+
+    Tried are the quarters of the world's planes and SIZES of the largest side. Along the whole of it the smallest
+    singular value of the Jacobian, redundant joints held, is at least SINGULAR, and every joint keeps MARGIN. Among
+    squares of one size the one with the most room counts, the smaller of both as a multiple of what is asked.
+
+    Args:
+        robot: the link side, with a tool.
+        q_start: start pose, (dof,) [rad | m], a corner of the square.
+        redundant: names of the joints that are held.
+        duration: time for the four sides [s].
+        side: their length [m]; None for the largest that fits.
+
+    Raises:
+        ValueError: no square fits; the message says what stands in the way.
+    """
+    planes = _planes()
+    ticks = np.arange(4 * _PER_SIDE + 1) / _PER_SIDE
+    tool = ToolKinematics(robot, q_start, redundant, len(planes) * len(ticks))
+    poses = Poses(tool.body.model, robot.tool)
+    reach = poses.reach()
+    smallest = _smallest(tool, tool.jacobian(tool.start), poses.units, reach)[0]
+    if smallest < SINGULAR:
+        raise ValueError(
+            f"the tool cannot draw a square from this start pose: it is singular there, with a smallest singular value "
+            f"of {smallest:.2g} where {SINGULAR:g} is asked for; choose another home, tool or other redundant joints"
+        )
+    largest = min(LARGEST_SIDE, SIDE_SHARE * reach)
+    for length in [side] if side is not None else [size * largest for size in SIZES]:
+        squares = [SquarePath(length, 4.0, (*first.tolist(),), (*second.tolist(),)) for first, second in planes]
+        room = _room(tool, np.concatenate([square.at(ticks)[0] for square in squares]), poses, reach)
+        rooms = np.round(room.reshape(len(planes), -1).min(axis=1), _DIGITS)
+        best = int(np.argmax(rooms))
+        if rooms[best] >= 1.0:
+            return replace(squares[best], duration=duration)
+    raise ValueError(
+        f"the tool draws no square of {length:.3g} m from this start pose: in the best plane it reaches "
+        f"{rooms[best]:.2g} of what is asked for, a smallest singular value of {SINGULAR:g} and {MARGIN:g} rad to the "
+        "limit of every joint; choose another home, tool or other redundant joints, or a smaller side"
+    )
+
+
+def _smallest(tool: ToolKinematics, jacobian: Array, units: Array, reach: float) -> Array:
+    """Smallest singular value of what is controlled, (n,), without dimension."""
+    jacobian = scaled(jacobian, units, reach)
+    jacobian[:, tool.rows :] = np.eye(len(units))[tool.held]
+    return np.asarray(np.linalg.svd(jacobian, compute_uv=False)[:, -1])
+
+
+def _room(tool: ToolKinematics, offset: Array, poses: Poses, reach: float) -> Array:
+    """How much of what is asked for is there at every offset, (n,); above 1 it is enough, 0 is out of reach."""
+    q, off = tool.follow(offset)
+    reached = off < MAX_RESIDUAL
+    q = np.where(reached[:, None], q, tool.q_start)
+    pose, _ = tool.body.tool_pose(q)
+    low, high = joint_range(poses.model)
+    asked = np.minimum(MARGIN * poses.units, MARGIN_SHARE * (high - low))
+    margin = (np.minimum(q - low, high - q) / asked).min(axis=1)
+    room = np.minimum(_smallest(tool, tool.jacobian(pose), poses.units, reach) / SINGULAR, margin)
+    return np.where(reached, room, 0.0)
