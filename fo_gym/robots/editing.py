@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.robots.file import mujoco_errors
-from fo_gym.robots.meshes import has_its_mesh, note_missing
+from fo_gym.robots.meshes import find_meshes, note_missing
 from fo_gym.robots.report import Notes
 
 Array = NDArray[np.float64]
@@ -63,59 +63,82 @@ def compile_whole(spec: mujoco.MjSpec, file: Path, notes: Notes, *, pictures: bo
     """
     for kind in ("skins", "flexes", "sensors"):
         _delete(spec, kind)
-    missing = {mesh.name for mesh in spec.meshes if not has_its_mesh(mesh, file)}
-    infer_all = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
-    spec.compiler.inertiafromgeom = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_AUTO
-    meshes_of = {body.name: {geom.meshname for geom in body.geoms if geom.meshname} for body in spec.bodies}
-    for body in spec.bodies[1:]:
-        if body.geoms and (infer_all or not body.explicitinertial):
-            without = meshes_of[body.name] & missing
-            if without:
-                raise ValueError(
-                    f"{file}: body {body.name!r} has no <inertial>, and its mesh {sorted(without)} is not found; "
-                    "give it an <inertial>, or put the mesh where the file says"
-                )
-            body.explicitinertial = False
-            with mujoco_errors(file, f"find the inertia of body {body.name!r}"):
-                spec.adopt_inertial(body)
-    spec.compiler.inertiafromgeom = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_FALSE
-    note_missing(missing, notes)
-    for geom in spec.geoms:
-        if (geom.meshname and (not pictures or geom.meshname in missing)) or geom.hfieldname:
-            _make_ball(geom)
-    for mesh in list(spec.meshes):
-        if not pictures or mesh.name in missing:
-            spec.delete(mesh)
     if not pictures:
-        for shown in (*spec.geoms, *spec.sites, *spec.tendons):
-            shown.material = ""
-        for kind in ("hfields", "materials", "textures"):
+        for element in (*spec.geoms, *spec.sites, *spec.tendons):
+            element.material = ""
+        for kind in ("materials", "textures"):
             _delete(spec, kind)
+    missing = find_meshes(spec, file)
+    note_missing(missing, notes)
+    _own_inertia(spec, file, missing, notes)
+    _without_meshes(spec, missing if pictures else {mesh.name for mesh in spec.meshes})
+    for mesh in spec.meshes:  # of those that only show, a surface is enough
+        mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
     return _compiled(spec, file, notes)
+
+
+def _own_inertia(spec: mujoco.MjSpec, file: Path, missing: set[str], notes: Notes) -> None:
+    """Make the inertia that a body has from its geoms its own; then nothing depends on geoms any more."""
+    how = spec.compiler.inertiafromgeom
+    kinds = mujoco.mjtInertiaFromGeom
+    spec.compiler.inertiafromgeom = kinds.mjINERTIAFROMGEOM_FALSE
+    if how == kinds.mjINERTIAFROMGEOM_FALSE:
+        return
+    always = how == kinds.mjINERTIAFROMGEOM_TRUE
+    inferring = [body for body in spec.bodies[1:] if body.geoms and (always or not body.explicitinertial)]
+    for body in inferring:
+        without = {geom.meshname for geom in body.geoms} & missing
+        if without:
+            raise ValueError(
+                f"{file}: body {body.name!r} has no <inertial>, and its mesh {sorted(without)} is not found; "
+                "give it an <inertial>, or put the mesh where the file says"
+            )
+    whole = spec.copy()
+    whole.compiler.inertiafromgeom = how
+    needed = {geom.meshname for body in inferring for geom in body.geoms}
+    _without_meshes(whole, {mesh.name for mesh in whole.meshes} - needed)
+    model = _compiled(whole, file, notes)
+    spec.compiler.balanceinertia = whole.compiler.balanceinertia
+    for body in inferring:
+        compiled = model.body(body.name)
+        body.mass, body.ipos, body.iquat, body.inertia = (
+            compiled.mass[0],
+            compiled.ipos,
+            compiled.iquat,
+            compiled.inertia,
+        )
+        body.fullinertia, body.explicitinertial = [np.nan] * 6, True
+        body.ialt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
 
 
 def _compiled(spec: mujoco.MjSpec, file: Path, notes: Notes) -> mujoco.MjModel:
     try:
-        return spec.compile()
+        with mujoco_errors(file, "compile it"):
+            return spec.compile()
     except ValueError as error:
         if "A + B >= C" not in str(error):
-            with mujoco_errors(file, "compile it"):
-                raise
+            raise
     spec.compiler.balanceinertia = True
     notes.assumed("inertia", "one that no body has (A + B < C) was balanced: its three values became their mean")
     with mujoco_errors(file, "compile it"):
         return spec.compile()
 
 
+def _without_meshes(spec: mujoco.MjSpec, meshes: set[str]) -> None:
+    """Take meshes out, and all height fields; balls stand where they were, for what refers to their geoms."""
+    for geom in spec.geoms:
+        if geom.meshname in meshes or geom.hfieldname:
+            geom.type, geom.meshname, geom.hfieldname = mujoco.mjtGeom.mjGEOM_SPHERE, "", ""
+            geom.size, geom.rgba, geom.material = [1e-3, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0], ""
+    for mesh in list(spec.meshes):
+        if mesh.name in meshes:
+            spec.delete(mesh)
+    _delete(spec, "hfields")
+
+
 def _delete(spec: mujoco.MjSpec, kind: str) -> None:
     for element in list(getattr(spec, kind)):
         spec.delete(element)
-
-
-def _make_ball(geom: mujoco.MjsGeom) -> None:
-    """In the place of a mesh that is not shown, so that what refers to the geom still finds it."""
-    geom.type, geom.meshname, geom.hfieldname = mujoco.mjtGeom.mjGEOM_SPHERE, "", ""
-    geom.size, geom.rgba, geom.material = [1e-3, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0], ""
 
 
 def link_side_of(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -20,6 +21,14 @@ from fo_gym.text import one_line
 MAX_BYTES = 50_000_000
 """Size of a file at most, without its meshes; those of whole humanoids have less than one megabyte."""
 
+_REMEDIES = {
+    "mjMINVAL": "give the body an <inertial>, or geoms, with a mass and an inertia above 0",
+    "Error opening file": "put the file where it is looked for, or take its name out",
+    "positive eigenvalues": "give the body an inertia that is above 0 about every axis",
+    "unknown plugin": "take the plugin out, or load its library first",
+}
+"""What to do about some of the things that MuJoCo says."""
+
 __all__ = ["MAX_BYTES", "existing_file", "mujoco_errors", "read_spec"]
 
 keep_off_disk()
@@ -34,10 +43,13 @@ def mujoco_errors(file: Path, doing: str) -> Iterator[None]:
         doing: what MuJoCo cannot do, such as "read it".
     """
     try:
-        yield
+        with warnings.catch_warnings():  # of attributes that MuJoCo will not read one day
+            warnings.simplefilter("ignore")
+            yield
     except (ValueError, RuntimeError, mujoco.FatalError) as error:
         told = one_line(" ".join(str(error).split()), 300)
-        raise ValueError(f"{file}: MuJoCo cannot {doing}: {told}; mend the file there") from None
+        remedy = next((remedy for part, remedy in _REMEDIES.items() if part in told), "mend the file there")
+        raise ValueError(f"{file}: MuJoCo cannot {doing}: {told}; {remedy}") from None
 
 
 def existing_file(name: str, value: Any) -> Path:

@@ -151,7 +151,9 @@ def _pose(file: Path, whole: mujoco.MjModel, facts: Survey, home: Any) -> tuple[
     if isinstance(home, str) and home not in keys:
         raise ValueError(f"{file}: home is keyframe {home!r}; the file has {sorted(keys) or 'none'}")
     inside = np.where((facts.low <= facts.reference) & (facts.reference <= facts.high), facts.reference, np.nan)
-    middle = np.where(np.isfinite(facts.low + facts.high), 0.5 * (facts.low + facts.high), facts.reference)
+    bounded = np.isfinite(facts.low) & np.isfinite(facts.high)
+    middle = facts.reference.copy()
+    middle[bounded] = 0.5 * (facts.low[bounded] + facts.high[bounded])
     rest = dict(zip(facts.names, np.where(np.isnan(inside), middle, inside).tolist(), strict=True))
     wanted = home if isinstance(home, str) else "home"
     if wanted not in keys or not (home is None or isinstance(home, str)):

@@ -12,10 +12,13 @@ from fo_gym.robots.report import Notes
 READABLE = {".stl", ".obj", ".msh"}
 """Endings of the meshes that MuJoCo reads."""
 
+MOST_FACES = 200_000
+"""Of a mesh in an STL file: what MuJoCo reads."""
+
 _UPWARDS = 6
 """How many folders above the file are searched for a package."""
 
-__all__ = ["READABLE", "find_mesh", "has_its_mesh", "note_missing"]
+__all__ = ["READABLE", "find_mesh", "find_meshes", "note_missing"]
 
 
 def _candidates(name: str, file: Path, folder: str) -> Iterator[Path]:
@@ -35,6 +38,15 @@ def _candidates(name: str, file: Path, folder: str) -> Iterator[Path]:
         yield file.parent / folder / path.name
 
 
+def _is_read(path: Path) -> bool:
+    """Whether an STL is of the binary kind, which MuJoCo reads, and as long as it says."""
+    if path.suffix.lower() != ".stl":
+        return True
+    with path.open("rb") as stream:
+        faces = int.from_bytes(stream.read(84)[80:], "little")
+    return 1 <= faces <= MOST_FACES and path.stat().st_size >= 84 + 50 * faces
+
+
 def find_mesh(name: str, file: Path, folder: str = "") -> Path | None:
     """The file of a mesh, or None where there is none that MuJoCo reads.
 
@@ -46,18 +58,28 @@ def find_mesh(name: str, file: Path, folder: str = "") -> Path | None:
     if Path(name).suffix.lower() not in READABLE:
         return None
     try:
-        return next((path for path in _candidates(name, file, folder) if path.is_file()), None)
+        return next((path for path in _candidates(name, file, folder) if path.is_file() and _is_read(path)), None)
     except (OSError, ValueError):  # names that no file can have
         return None
 
 
-def has_its_mesh(mesh: mujoco.MjsMesh, file: Path) -> bool:
-    """Whether a mesh of an MJCF file is there: in the file itself, or as a file of its own."""
-    return not mesh.file or find_mesh(mesh.file, file, mesh.compiler.meshdir or "") is not None
+def find_meshes(spec: mujoco.MjSpec, file: Path) -> set[str]:
+    """Give each mesh of an MJCF file the path of its file, in place; returns the names of those that are not found."""
+    missing = set()
+    for mesh in spec.meshes:
+        if mesh.file:
+            found = find_mesh(mesh.file, file, mesh.compiler.meshdir or "")
+            if found is None:
+                missing.add(mesh.name)
+            else:
+                mesh.file = str(found.absolute())
+    return missing
 
 
 def note_missing(missing: set[str], notes: Notes) -> None:
     """Write down which meshes pictures do without."""
     if missing:
         few = ", ".join(sorted(missing)[:3]) + (", ..." if len(missing) > 3 else "")
-        notes.dropped("meshes", f"{len(missing)} not found, or not STL, OBJ or MSH, and left out of pictures: {few}")
+        notes.dropped(
+            "meshes", f"{len(missing)} not found, or no (binary) STL, OBJ or MSH, and left out of pictures: {few}"
+        )

@@ -20,6 +20,10 @@ LEAST_MASS, LEAST_INERTIA = 1e-3, 1e-6
 _LARGE = 1e9
 """What a file gives as mass [kg] or inertia [kg m^2] is below this."""
 
+_NO_INERTIA = 1e-14
+"""What rounding leaves of an inertia of 0 [kg m^2]; MuJoCo takes nothing below 1e-15."""
+
+_SCALAR = ("revolute", "continuous", "prismatic")
 _SIX = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 __all__ = ["LEAST_INERTIA", "LEAST_MASS", "urdf_for_mujoco"]
@@ -39,7 +43,9 @@ def urdf_for_mujoco(file: Path, notes: Notes) -> str:
     if any("xacro" in element.tag for element in root.iter()):
         raise ValueError(f"{file} is a xacro, from which URDF is made; run xacro on it and give what it prints")
     parents = _parents(file, root)
-    _hold_floating(root, notes)
+    for joint in root.findall("joint"):
+        _plain_joint(joint, notes)
+    _hold_followers(root, notes)
     for link in root.iter("link"):
         _check_inertial(file, link, notes)
     _fill_massless(root, parents, notes)
@@ -73,11 +79,30 @@ def _parents(file: Path, root: ET.Element) -> dict[str, tuple[str, ET.Element]]:
     return parents
 
 
-def _hold_floating(root: ET.Element, notes: Notes) -> None:
+def _plain_joint(joint: ET.Element, notes: Notes) -> None:
+    """Take away what MuJoCo does not take, or only warns of, in place."""
+    what, kind, limit = f"joint {joint.get('name')}", joint.get("type"), joint.find("limit")
+    if kind == "floating":
+        joint.set("type", "fixed")
+        notes.dropped(what, "a floating joint: what hangs on it is fixed where it stands")
+    if kind == "revolute" and (limit is None or limit.get("lower", "0") == limit.get("upper", "0")):
+        joint.set("type", "continuous")
+        notes.assumed(what, "its limits are equal, or missing: it turns without limits")
+
+
+def _hold_followers(root: ET.Element, notes: Notes) -> None:
+    """Joints that follow one which does not move do not move either; MuJoCo only warns of them."""
+    moving = {joint.get("name") for joint in root.findall("joint") if joint.get("type") in _SCALAR}
     for joint in root.findall("joint"):
-        if joint.get("type") == "floating":
+        mimic = joint.find("mimic")
+        if mimic is None or (joint.get("type") in _SCALAR and mimic.get("joint") in moving):
+            continue
+        joint.remove(mimic)
+        if joint.get("type") in _SCALAR:
             joint.set("type", "fixed")
-            notes.dropped(f"joint {joint.get('name')}", "a floating joint: what hangs on it is fixed where it stands")
+            notes.dropped(
+                f"joint {joint.get('name')}", f"follows {mimic.get('joint')}, which does not move: it is fixed"
+            )
 
 
 def _numbers(file: Path, link: str, element: ET.Element, names: tuple[str, ...]) -> list[float]:
@@ -113,7 +138,7 @@ def _check_inertial(file: Path, link: ET.Element, notes: Notes) -> None:
         link.remove(inertial)
         notes.dropped(f"link {name}", "its inertial has no mass and counts as none")
         return
-    if np.linalg.eigvalsh(_matrix(six))[0] > 0.0:
+    if np.linalg.eigvalsh(_matrix(six))[0] > _NO_INERTIA:
         return
     if inertia_of is not None:
         inertial.remove(inertia_of)
@@ -155,6 +180,7 @@ def _resolve_meshes(file: Path, root: ET.Element, notes: Notes) -> None:
     folder = "" if compiler is None else compiler.get("meshdir", "")
     missing = set()
     for link, shape in _shapes(root):
+        shape.attrib.pop("name", None)  # MuJoCo warns of names that come twice
         mesh = shape.find("geometry/mesh")
         if mesh is None:
             continue
@@ -166,6 +192,10 @@ def _resolve_meshes(file: Path, root: ET.Element, notes: Notes) -> None:
         else:
             mesh.set("filename", str(found.absolute()))
     note_missing(missing, notes)
+    for link in root.iter("link"):
+        if link.find("visual") is not None:
+            for shape in link.findall("collision"):
+                link.remove(shape)
 
 
 def _compiler(root: ET.Element) -> None:
