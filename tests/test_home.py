@@ -77,7 +77,7 @@ def test_redundant_joints_are_those_that_the_tool_needs_least(tmp_path: Path) ->
     assert redundant_joints(model, model.key("home").qpos, "tool") == ("joint3",)
     assert redundant_joints(compiled(arm(tmp_path / "6.xml")), np.zeros(6), "tool") == ()
     assert redundant_joints(model, model.key("home").qpos, None) == ()
-    beside = mujoco.MjSpec.from_file(str(arm(tmp_path / "6.xml").path))
+    beside = mujoco.MjSpec.from_file(str(arm(tmp_path / "6.xml").file))
     body = beside.worldbody.add_body(name="beside", mass=1.0, inertia=[1.0, 1.0, 1.0], explicitinertial=True)
     body.add_joint(name="idle", axis=[0.0, 0.0, 1.0])
     model = beside.compile()

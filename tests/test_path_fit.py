@@ -7,12 +7,13 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-from arms import SIX, arm, compiled, miro
+from arms import SIX, arm, compiled, miro, standing
 
 from fo_gym.robots.home import found_home, redundant_joints
 from fo_gym.robots.poses import Poses, scaled, tool_rows
-from fo_gym.tasks.path import SquarePath, path_table
-from fo_gym.tasks.square_fit import LARGEST_SIDE, SINGULAR, fitted_square
+from fo_gym.tasks.kinematics import path_table
+from fo_gym.tasks.squares import LARGEST_SIDE, SINGULAR, fitted_square
+from fo_gym.tasks.tool_path import ToolPath
 
 Z, Y, X = "0 0 1", "0 1 0", "1 0 0"
 DT = 0.02
@@ -21,7 +22,7 @@ DT = 0.02
 def test_the_shipped_square_is_the_fitted_one() -> None:
     robot = miro()
     home = compiled(robot).key("home").qpos.copy()
-    assert fitted_square(robot, home, ("joint3",), 5.0) == SquarePath(0.15, 5.0, (0.0, -1.0, 0.0), (0.0, 0.0, -1.0))
+    assert fitted_square(standing(robot, home, ("joint3",))) == (0.15, (0.0, -1.0, 0.0), (0.0, 0.0, -1.0))
 
 
 def test_squares_of_all_kinds_of_arms_keep_their_distance(tmp_path: Path) -> None:
@@ -43,7 +44,7 @@ def test_squares_of_all_kinds_of_arms_keep_their_distance(tmp_path: Path) -> Non
         held = redundant_joints(model, home, "tool")
         rows = tool_rows(model.nq)
         assert len(held) == model.nq - rows, name
-        path = fitted_square(robot, home, held, 5.0)
+        path = ToolPath(duration=5.0).fitted_to(standing(robot, home, held))
         assert 0.2 * LARGEST_SIDE * (0.2 if name == "small" else 1.0) <= path.side <= LARGEST_SIDE, name
         table = path_table(robot, path, home, DT, held)
         check = _Check(model, rows, [robot.joints.index(joint) for joint in held])
@@ -84,24 +85,24 @@ class _Check:
 def test_arms_without_a_square_say_why(tmp_path: Path) -> None:
     two = arm(tmp_path / "2.xml", (Z, Y))
     with pytest.raises(ValueError, match="at least 3 joints; this one has 2"):
-        fitted_square(two, np.zeros(2), (), 5.0)
+        fitted_square(standing(two, np.zeros(2), ()))
     planar = arm(tmp_path / "planar.xml", (Y, Y, Y))
-    with pytest.raises(ValueError, match="singular there, with a smallest singular value of"):
-        fitted_square(planar, np.array([0.5, 0.8, -0.6]), (), 5.0)
+    with pytest.raises(ValueError, match="that pose is singular, with a smallest singular value of"):
+        fitted_square(standing(planar, np.array([0.5, 0.8, -0.6]), ()))
     stretched = arm(tmp_path / "6.xml")
-    with pytest.raises(ValueError, match="singular there"):
-        fitted_square(stretched, np.zeros(6), (), 5.0)
+    with pytest.raises(ValueError, match="pose is singular"):
+        fitted_square(standing(stretched, np.zeros(6), ()))
     home = compiled(miro()).key("home").qpos.copy()
     with pytest.raises(ValueError, match=r"no square of 0\.9 m.*0 of what is asked for"):
-        fitted_square(miro(), home, ("joint3",), 5.0, side=0.9)
+        fitted_square(standing(miro(), home, ("joint3",)), side=0.9)
     with pytest.raises(ValueError, match=r"redundant joints are \('joint3', 'joint3'\)"):
-        fitted_square(miro(), home, ("joint3", "joint3"), 5.0)
+        fitted_square(standing(miro(), home, ("joint3", "joint3")))
     cornered = home.copy()
     cornered[6] = 2.85
     with pytest.raises(ValueError, match="limit of every joint"):
-        fitted_square(miro(), cornered, ("joint3",), 5.0)
+        fitted_square(standing(miro(), cornered, ("joint3",)))
 
 
 def test_a_given_side_is_kept() -> None:
     home = compiled(miro()).key("home").qpos.copy()
-    assert fitted_square(miro(), home, ("joint3",), 4.0, side=0.1).side == 0.1
+    assert fitted_square(standing(miro(), home, ("joint3",)), side=0.1)[0] == 0.1
