@@ -120,7 +120,7 @@ def test_a_slide_is_a_hinge_with_a_lever_of_a_tenth_of_a_metre(tmp_path: Path) -
     for kind, axis, inertia in (("slide", "1 0 0", 1e-3), ("hinge", "0 0 1", 3.0 * SLIDE**2)):
         path = tmp_path / f"{kind}.xml"
         path.write_text(text.format(kind, axis, 3.0, inertia, inertia, inertia), encoding="utf-8")
-        models.append(compiled(replace(miro(), path=path)))
+        models.append(compiled(replace(miro(), file=path)))
     (slide, slide_friction), (hinge, hinge_friction) = (
         (joints, designed_friction(model, joints))
         for model in models
