@@ -170,9 +170,18 @@ def test_a_spring_too_damped_for_the_sweeps_is_refused(pendulum: MakeRobot) -> N
     assert 0.0 < advice < 2e-4
 
 
-def test_a_damper_in_the_file_too_strong_for_the_control_period_is_refused(pendulum: MakeRobot) -> None:
-    with pytest.raises(ValueError, match=r"control_dt 0\.001 s is too long for joint 'elbow': the file's own damping"):
-        plant_of(pendulum(elbow='axis="0 1 0" damping="200"'))
+def test_a_damper_in_the_file_may_be_as_strong_as_it_likes(pendulum: MakeRobot) -> None:
+    """D / M of 3e5 1/s: pushed by a torque, the elbow soon creeps at torque / D, as it would in the world."""
+    damper, torque = 1e4, 5.0
+    plant = FlexibleJointPlant(
+        pendulum(elbow=f'axis="0 1 0" damping="{damper:g}"', rest='<option gravity="0 0 0"/>'),
+        1,
+        joints=replace(JOINTS, motor_inertia=1e-2, stiffness=300.0),
+        friction=FRICTIONLESS,
+    )
+    for _ in range(1000):
+        plant.step(np.array([[0.0, torque]]), np.zeros((1, 2)))
+    assert plant.q[0, 1] == pytest.approx(torque / damper * plant.time[0], rel=1e-2)
 
 
 def test_a_lost_environment_says_so_in_its_friction_too(pendulum: MakeRobot, monkeypatch: Any, tmp_path: Path) -> None:

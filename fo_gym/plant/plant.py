@@ -99,7 +99,7 @@ class FlexibleJointPlant:
         self.tau_f = np.zeros(shape)
         """Mean friction torque over the past control period, (num_envs, dof), N or N m."""
         self.link_damping = np.zeros(shape)
-        """Of dampers between the links and the world from now on, (num_envs, dof), N s/m or N m s/rad, to be set."""
+        """Of dampers at the links beside the file's from now on, (num_envs, dof), N s/m or N m s/rad, to be set."""
         home = np.broadcast_to(self.body.model.qpos0, shape)
         everyone = np.arange(num_envs)
         self.configure(everyone, joints=joints, friction=friction)
@@ -166,7 +166,6 @@ class FlexibleJointPlant:
         mobility = self.body.mobility(q, ids)
         check_steps(
             advise_steps(self.link_side.joints, self._parameters[ids], mobility),
-            self.body.model.dof_damping * mobility,
             physics_dt=self.physics_dt,
             control_dt=self.control_dt,
         )
@@ -201,7 +200,7 @@ class FlexibleJointPlant:
                 raise ValueError(f"{name} has shape {torque.shape}; this plant needs {self.q.shape}")
         predict(self._state, self._q_dot_before, self.control_dt, *self.body.inputs)
         inertia, bias = self.body.forward()
-        links = tau_ext - bias, self.link_damping, inertia, *self.body.layout
+        links = tau_ext - bias, self.link_damping + self.body.damping, inertia, *self.body.layout
         advance(self._state, tau_m, *links, self._parameters, self.physics_dt, self.steps, self.tau_f)
         self._ticks += 1
 

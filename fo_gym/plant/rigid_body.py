@@ -42,6 +42,8 @@ class RigidBody:
     Attributes:
         link_side: what was loaded.
         model: the compiled MuJoCo model.
+        damping: of the file's own dampers at the joints, (dof,) [N s/m | N m s/rad]: they are the kernel's, which takes
+            them implicitly, and no part of the bias.
         layout: (row_nonzeros, row_start, columns) of the sparse lower triangle in which `dynamics` gives M.
         mass_scale: factor on the masses of each environment, (num_envs,).
     """
@@ -50,6 +52,8 @@ class RigidBody:
         self.link_side = link_side
         self.num_envs = num_envs
         self.model = link_side.model
+        self.damping = self.model.dof_damping.copy()
+        self.model.dof_damping[:] = 0.0
         self.mass_scale = np.ones(num_envs)
         self._make_batch()
 
@@ -76,6 +80,7 @@ class RigidBody:
             "link_side": self.link_side,
             "num_envs": self.num_envs,
             "model": self.model,
+            "damping": self.damping,
             "mass_scale": self.mass_scale,
         }
 
@@ -119,7 +124,7 @@ class RigidBody:
 
         Returns:
             M as a sparse lower triangle, (n, nonzeros), laid out as in `layout`; C q_dot + g less the file's own
-            joint springs and dampers, (n, dof), N or N m.
+            joint springs, (n, dof), N or N m.
         """
         rows = self._forward(q, q_dot, ids)
         return self._inertia[rows], self._bias[rows] - self._passive[rows]

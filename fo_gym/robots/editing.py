@@ -146,6 +146,7 @@ def link_side_of(
     whole: mujoco.MjModel,
     joints: tuple[str, ...],
     frozen: Mapping[str, float],
+    damping: Mapping[str, float],
     *,
     pictures: bool = False,
 ) -> mujoco.MjModel:
@@ -156,13 +157,15 @@ def link_side_of(
         whole: what it compiled.
         joints: those that stay.
         frozen: where joints are welded [m | rad]; others at the file's own reference.
+        damping: of each of `joints`, the actuators' included [N s/m | N m s/rad].
         pictures: whether geoms, cameras and lights stay.
     """
     for kind in _NO_LINKS:
         _delete(spec, kind)
     for kind in () if pictures else _LOOKS:
         _delete(spec, kind)
-    _plain_joints(spec, whole, joints)
+    for name in joints:
+        _make_plain(spec.joint(name), whole.joint(name), damping[name])
     for joint in list(spec.joints):
         if joint.name not in joints:
             spec.delete(joint)
@@ -175,15 +178,16 @@ def link_side_of(
     return model
 
 
-def _plain_joints(spec: mujoco.MjSpec, whole: mujoco.MjModel, joints: tuple[str, ...]) -> None:
+def _make_plain(joint: mujoco.MjsJoint, compiled: Any, damping: float) -> None:
     """Motors have the armature, friction is the plant's; springs and dampers of the file stay, at their own values."""
-    for name in joints:
-        joint, whole_joint = spec.joint(name), whole.joint(name)
-        joint.armature, joint.frictionloss, joint.actgravcomp = 0.0, 0.0, False
-        if np.any(joint.springdamper):
-            joint.springdamper = [0.0, 0.0]
-            joint.stiffness = [float(whole_joint.stiffness[0]), 0.0, 0.0]
-            joint.damping = [float(whole_joint.damping[0]), 0.0, 0.0]
+    joint.armature, joint.frictionloss, joint.actgravcomp = 0.0, 0.0, False
+    if np.any(joint.springdamper):
+        joint.springdamper = [0.0, 0.0]
+        joint.stiffness = [float(compiled.stiffness[0]), 0.0, 0.0]
+        joint.damping = [float(compiled.damping[0]), 0.0, 0.0]
+    joint.damping[0] = damping
+    if np.isinf(compiled.range).any():
+        joint.limited = mujoco.mjtLimited.mjLIMITED_FALSE
 
 
 class _Motion:

@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.parameters import FlexibleJoint, LuGre
 from fo_gym.robots.editing import counts
 from fo_gym.robots.report import Notes
 from fo_gym.robots.survey import Survey
@@ -25,11 +26,43 @@ _WHY = {
     "plugins": "not needed",
 }
 
-__all__ = ["note_the_rest"]
+SYMBOLS = {
+    "stiffness": "K_j [N m/rad | N/m]",
+    "damping": "D_j [N m s/rad | N s/m]",
+    "motor_inertia": "B [kg m^2 | kg]",
+    "torque_limit": "torque limit [N m | N]",
+    "sigma_0": "sigma_0 [N m/rad | N/m]",
+    "sigma_1": "sigma_1 [N m s/rad]",
+    "sigma_2": "sigma_2 [N m s/rad]",
+    "f_c": "f_c [N m | N]",
+    "f_s": "f_s [N m | N]",
+    "v_s": "v_s [rad/s | m/s]",
+}
+"""What reports call the parameters of motors, springs and friction."""
+
+__all__ = ["listed", "note_design", "note_the_rest"]
 
 
-def _listed(facts: Survey, values: Array) -> str:
-    return ", ".join(f"{name} {value:g}" for name, value in zip(facts.names, values, strict=True) if value > 0.0)
+def listed(names: tuple[str, ...], values: Array) -> str:
+    """One value for each joint, as a report shows it: the value alone where all have the same."""
+    if len(values) > 1 and np.all(values == values[0]):
+        return f"{values[0]:.4g} at each joint"
+    return ", ".join(f"{name} {value:.4g}" for name, value in zip(names, values, strict=True))
+
+
+def _positive(facts: Survey, values: Array) -> str:
+    some = np.nan_to_num(values) > 0.0
+    return listed(tuple(name for name, is_one in zip(facts.names, some, strict=True) if is_one), values[some])
+
+
+def note_design(facts: Survey, parameters: FlexibleJoint | LuGre, notes: Notes) -> None:
+    """Write down what was designed, but for what the file says: rotor inertia, torque limits, dry friction."""
+    said = {"motor_inertia": facts.armature, "torque_limit": facts.torque_limit}
+    for name, value in vars(parameters).items():
+        assumed = ~(np.nan_to_num(said.get(name, np.zeros(len(facts.names)))) > 0.0)
+        if assumed.any():
+            names = tuple(np.array(facts.names)[assumed].tolist())
+            notes.assumed(SYMBOLS[name], f"{listed(names, np.asarray(value)[assumed])}, by design")
 
 
 def note_the_rest(
@@ -45,15 +78,17 @@ def note_the_rest(
     notes.taken("masses", f"{whole.nbody - 1} bodies, {float(whole.body_mass.sum()):.4g} kg")
     if np.any(facts.armature > 0.0):
         kind = notes.dropped if flexible_given else notes.taken
-        kind("armature", f"[kg m^2 | kg] {_listed(facts, facts.armature)}: the motors' inertia B, no part of the links")
+        kind(
+            "armature", f"[kg m^2 | kg] {_positive(facts, facts.armature)}: the motors' inertia B, no part of the links"
+        )
     if np.any(facts.frictionloss > 0.0):
         kind = notes.dropped if friction_given else notes.taken
-        kind("frictionloss", f"[N m | N] {_listed(facts, facts.frictionloss)}: dry friction of the motors")
+        kind("frictionloss", f"[N m | N] {_positive(facts, facts.frictionloss)}: dry friction of the motors")
     if np.any(facts.torque_limit > 0.0):
         kind = notes.dropped if flexible_given else notes.taken
-        kind("torque limits", f"[N m | N] {_listed(facts, facts.torque_limit)}")
+        kind("torque limits", f"[N m | N] {_positive(facts, facts.torque_limit)}")
     if np.any(facts.damping > 0.0):
-        notes.taken("damping", f"{_listed(facts, facts.damping)}: dampers between the links")
+        notes.taken("damping", f"{_positive(facts, facts.damping)}: dampers between the links")
     if np.any(whole.jnt_stiffness):
         notes.taken("springs of the file", "act on the links")
     if np.any(whole.body_gravcomp):

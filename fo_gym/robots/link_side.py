@@ -14,6 +14,7 @@ from fo_gym.checks import shown
 from fo_gym.robots.editing import HINGE, SLIDE, compile_whole, link_side_of
 from fo_gym.robots.file import existing_file, mujoco_errors, read_spec
 from fo_gym.robots.report import Notes
+from fo_gym.robots.survey import survey
 
 __all__ = ["LinkSide"]
 
@@ -80,7 +81,8 @@ def _compiled(side: LinkSide, _stamp: tuple[int, int], pictures: bool) -> tuple[
     if side.tool is not None:
         _add_tool(side.tool, spec, file)
     with mujoco_errors(file, "compile its link side"):
-        model = link_side_of(spec, whole, side.joints, dict(side.frozen), pictures=pictures)
+        damping = dict(zip(side.joints, survey(whole).of(side.joints).damping.tolist(), strict=True))
+        model = link_side_of(spec, whole, side.joints, dict(side.frozen), damping, pictures=pictures)
     return spec, model
 
 

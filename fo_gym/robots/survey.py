@@ -26,7 +26,7 @@ class Survey:
     Attributes:
         names: in the file's order.
         units: "rad" or "m".
-        low, high: range [m | rad], infinite where there is none.
+        low, high: range [m | rad], infinite at both ends where one has no end.
         reference: position in which the file is drawn [m | rad].
         armature: of the rotor, reflected, the actuators' included [kg | kg m^2].
         frictionloss: dry friction [N | N m].
@@ -55,7 +55,7 @@ def survey(whole: mujoco.MjModel) -> Survey:
     """Look at all joints of a file that turn or slide, in its compiled model."""
     ids = [i for i in range(whole.njnt) if whole.jnt_type[i] in (HINGE, SLIDE)]
     dofs = whole.jnt_dofadr[ids]
-    limited = whole.jnt_limited[ids].astype(bool)
+    limited = whole.jnt_limited[ids].astype(bool) & ~np.isinf(whole.jnt_range[ids]).any(axis=1)
     armature, damping = whole.dof_armature.copy(), whole.dof_damping.copy()
     for actuator, joint in _driven(whole):
         gear = whole.actuator_gear[actuator, 0]
