@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import mujoco
-
-from envs_assets import asset_path
-from fo_gym.plant import Robot
+from fo_gym.robots import Robot, robot_of
 
 SIX = ("0 0 1", "0 1 0", "0 1 0", "0 1 0", "0 0 1", "0 1 0")
 """Axes of an elbow arm with an offset wrist."""
@@ -22,9 +19,10 @@ def arm(
     limited: bool = True,
     wrist: float = 1.0,
 ) -> Robot:
-    """A chain of links, its lengths times `scale` and its masses times its cube; `wrist` scales the last two masses.
+    """A chain of links, its motors designed by `Robot.from_file`.
 
-    Links lie along x and bend about the axes; joints in `slides` slide along them instead, by -+0.2 m times scale.
+    Lengths are times `scale` and masses times its cube; `wrist` scales the last two masses. Links lie along x and bend
+    about the axes; joints in `slides` slide along them instead, by -+0.2 m times scale.
     """
     text, end = "", ""
     for i, axis in enumerate(axes):
@@ -45,14 +43,9 @@ def arm(
         f'<mujoco><compiler angle="radian" balanceinertia="true"/><worldbody>{text}{tool}{end}</worldbody></mujoco>',
         encoding="utf-8",
     )
-    return Robot(path, tuple(f"joint{i}" for i in range(len(axes))), tool="tool")
-
-
-def compiled(robot: Robot) -> mujoco.MjModel:
-    """The link side of a robot."""
-    return mujoco.MjModel.from_xml_path(str(robot.path))
+    return Robot.from_file(path, tool="tool")
 
 
 def miro() -> Robot:
     """The shipped arm."""
-    return Robot(asset_path("miro_like"), tuple(f"joint{i}" for i in range(1, 8)), tool="tool")
+    return robot_of("miro_like")

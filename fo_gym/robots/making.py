@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 from fo_gym.checks import instance, real_array, shown
 from fo_gym.hardware import Hardware
 from fo_gym.parameters import FlexibleJoint, LuGre
+from fo_gym.robots.design import designed_friction, designed_joints
 from fo_gym.robots.editing import compile_whole
 from fo_gym.robots.file import existing_file, read_spec
+from fo_gym.robots.home import found_home, poor_home, redundant_joints
 from fo_gym.robots.inventory import note_the_rest
 from fo_gym.robots.link_side import LinkSide
-from fo_gym.robots.placeholder import designed_friction, designed_joints, found_home
 from fo_gym.robots.report import Notes, Report
 from fo_gym.robots.survey import Survey, bound_joints, joints_of_things, survey
 from fo_gym.robots.tool import end_of_chain
@@ -60,23 +61,27 @@ def made_from_file(
     frozen = _frozen(whole, everything, chosen, pose, notes)
     link_side = LinkSide(file, chosen, tool, None, frozen)
     model = link_side.model
-    redundant = () if redundant is None else tuple(redundant)
-    if isinstance(home, str) or (home is None and place):
-        start = np.array([pose[name] for name in chosen])
+    start = np.array([pose[name] for name in chosen])
+    poor = poor_home(model, start, tool) if place else None
+    if isinstance(home, str) or (home is None and place and poor is None):
         notes.taken("home", f"keyframe {place}")
     elif home is None:
-        start = found_home(model, tool, redundant)
-        notes.assumed("home", f"{np.round(start, 4).tolist()}, found")
+        start = found_home(model, tool, own.torque_limit)
+        notes.assumed("home", f"{start.tolist()}, found" + ("" if poor is None else f": in keyframe {place} {poor}"))
     else:
         start = real_array("home", home, (len(chosen),))
         notes.taken("home", "as given")
     _check_home(file, own, start)
+    if redundant is None:
+        redundant = redundant_joints(model, start, tool)
+        if redundant:
+            notes.assumed("redundant", f"{', '.join(redundant)}: the tool needs them least")
     note_the_rest(spec, whole, own, notes, friction_given=friction is not None, flexible_given=flexible is not None)
     if flexible is None:
-        flexible = designed_joints(model, start, own.armature, own.torque_limit)
+        flexible = designed_joints(model, start, armature=own.armature, torque_limit=own.torque_limit)
         notes.assumed("springs", "K_j and D_j by design")
     if friction is None:
-        friction = designed_friction(flexible, own.frictionloss)
+        friction = designed_friction(model, flexible, frictionloss=own.frictionloss)
         notes.assumed("friction", "by design")
     return {
         "name": file.parent.name if file.stem in _GENERAL else file.stem,
@@ -85,7 +90,7 @@ def made_from_file(
         "flexible": flexible,
         "friction": friction,
         "home": start,
-        "redundant": redundant,
+        "redundant": tuple(redundant),
         "hardware": hardware,
         "report": Report(tuple(notes)),
     }
@@ -151,7 +156,9 @@ def _pose(file: Path, whole: mujoco.MjModel, facts: Survey, home: Any) -> tuple[
     if isinstance(home, str) and home not in keys:
         raise ValueError(f"{file}: home is keyframe {home!r}; the file has {sorted(keys) or 'none'}")
     inside = np.where((facts.low <= facts.reference) & (facts.reference <= facts.high), facts.reference, np.nan)
-    middle = np.where(np.isfinite(facts.low + facts.high), 0.5 * (facts.low + facts.high), facts.reference)
+    with np.errstate(invalid="ignore"):  # an endless joint: -inf + inf
+        middle = 0.5 * (facts.low + facts.high)
+    middle = np.where(np.isfinite(middle), middle, facts.reference)
     rest = dict(zip(facts.names, np.where(np.isnan(inside), middle, inside).tolist(), strict=True))
     wanted = home if isinstance(home, str) else "home"
     if wanted not in keys or not (home is None or isinstance(home, str)):

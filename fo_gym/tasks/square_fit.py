@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
 from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.plant import Robot
+from fo_gym.robots import Robot
 from fo_gym.robots.poses import Poses, joint_range, scaled
-from fo_gym.tasks.path import MAX_RESIDUAL, SquarePath, ToolKinematics
+from fo_gym.tasks.kinematics import MAX_RESIDUAL, ToolKinematics
 
 Array = NDArray[np.float64]
+Direction = tuple[float, float, float]
 
 LARGEST_SIDE = 0.15
 """Side of a square where nothing asks for less [m]: the paper's."""
@@ -39,16 +38,19 @@ _DIGITS = 3
 __all__ = ["fitted_square"]
 
 
-def _planes() -> list[tuple[Array, Array]]:
+def _planes() -> list[tuple[Direction, Direction]]:
     """Directions of first and second side: all quarters of the three planes of the world's axes, the upright first."""
     x, y, z = np.eye(3)
     signs = list(product((-1.0, 1.0), repeat=2))
-    return [(s * first + 0.0, t * second + 0.0) for first, second in ((y, z), (x, z), (x, y)) for s, t in signs]
+    pairs = [(s * first + 0.0, t * second + 0.0) for first, second in ((y, z), (x, z), (x, y)) for s, t in signs]
+    return [((*first.tolist(),), (*second.tolist(),)) for first, second in pairs]
 
 
 def fitted_square(
-    robot: Robot, q_start: Array, redundant: Sequence[str], duration: float, side: float | None = None
-) -> SquarePath:
+    robot: Robot,
+    side: float | None = None,
+    plane: tuple[Direction, Direction] | None = None,
+) -> tuple[float, tuple[Direction, Direction]]:
     """The largest square from the tool's start that keeps away from singular poses and from the joints' limits.
 
     Tried are the quarters of the world's planes and SIZES of the largest side. Along the whole of it the smallest
@@ -56,18 +58,18 @@ def fitted_square(
     squares of one size the one with the most room counts, the smaller of both as a multiple of what is asked.
 
     Args:
-        robot: the link side, with a tool.
-        q_start: start pose, (dof,) [rad | m], a corner of the square.
-        redundant: names of the joints that are held.
-        duration: time for the four sides [s].
-        side: their length [m]; None for the largest that fits.
+        robot: with a tool; its home is a corner of the square.
+        side: length of a side [m]; None for the largest that fits.
+        plane: unit vectors of the first and the second side, in the world; None for the one with the most room.
+
+    Returns:
+        Side [m]; plane, as above.
 
     Raises:
         ValueError: no square fits; the message says what stands in the way.
     """
-    planes = _planes()
-    ticks = np.arange(4 * _PER_SIDE + 1) / _PER_SIDE
-    tool = ToolKinematics(robot, q_start, redundant, len(planes) * len(ticks))
+    planes = _planes() if plane is None else [plane]
+    tool = ToolKinematics(robot.link_side, robot.home, robot.redundant, len(planes) * 4 * _PER_SIDE)
     poses = Poses(tool.body.model, robot.tool)
     reach = poses.reach()
     smallest = _smallest(tool, tool.jacobian(tool.start), poses.units, reach)[0]
@@ -78,17 +80,23 @@ def fitted_square(
         )
     largest = min(LARGEST_SIDE, SIDE_SHARE * reach)
     for length in [side] if side is not None else [size * largest for size in SIZES]:
-        squares = [SquarePath(length, 4.0, (*first.tolist(),), (*second.tolist(),)) for first, second in planes]
-        room = _room(tool, np.concatenate([square.at(ticks)[0] for square in squares]), poses, reach)
+        room = _room(tool, length * np.concatenate([_outline(*each) for each in planes]), poses, reach)
         rooms = np.round(room.reshape(len(planes), -1).min(axis=1), _DIGITS)
         best = int(np.argmax(rooms))
         if rooms[best] >= 1.0:
-            return replace(squares[best], duration=duration)
+            return length, planes[best]
     raise ValueError(
         f"the tool draws no square of {length:.3g} m from this start pose: in the best plane it reaches "
         f"{rooms[best]:.2g} of what is asked for, a smallest singular value of {SINGULAR:g} and {MARGIN:g} rad to the "
         "limit of every joint; choose another home, tool or other redundant joints, or a smaller side"
     )
+
+
+def _outline(first: Direction, second: Direction) -> Array:
+    """Points of a square of side 1, (4 _PER_SIDE, 3), from its first corner."""
+    along = np.arange(_PER_SIDE)[:, None] / _PER_SIDE
+    u, v = np.array(first), np.array(second)
+    return np.concatenate([along * u, u + along * v, u + v - along * u, v - along * v])
 
 
 def _smallest(tool: ToolKinematics, jacobian: Array, units: Array, reach: float) -> Array:

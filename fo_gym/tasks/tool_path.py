@@ -76,7 +76,8 @@ class ToolPath:
         """The same with side and plane chosen for a robot. Raises ValueError, saying why, where there is no square."""
         if self.side is not None and self.first is not None:
             return self
-        side, first, second = fitted_square(robot, self.duration, self.side, self.first, self.second)
+        plane = None if self.first is None or self.second is None else (self.first, self.second)
+        side, (first, second) = fitted_square(robot, self.side, plane)
         return replace(self, side=side, first=first, second=second)
 
     def target(self, home: Array, share: Array | float = 1.0) -> None:
