@@ -4,12 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import mujoco
-import numpy as np
-
-from envs_assets import asset_path
-from fo_gym.parameters import FRICTIONLESS, FlexibleJoint
-from fo_gym.robots import LinkSide, Robot
+from fo_gym.robots import Robot, robot_of
 
 SIX = ("0 0 1", "0 1 0", "0 1 0", "0 1 0", "0 0 1", "0 1 0")
 """Axes of an elbow arm with an offset wrist."""
@@ -23,10 +18,11 @@ def arm(
     slides: tuple[int, ...] = (),
     limited: bool = True,
     wrist: float = 1.0,
-) -> LinkSide:
-    """A chain of links, its lengths times `scale` and its masses times its cube; `wrist` scales the last two masses.
+) -> Robot:
+    """A chain of links, its motors designed by `Robot.from_file`.
 
-    Links lie along x and bend about the axes; joints in `slides` slide along them instead, by -+0.2 m times scale.
+    Lengths are times `scale` and masses times its cube; `wrist` scales the last two masses. Links lie along x and bend
+    about the axes; joints in `slides` slide along them instead, by -+0.2 m times scale.
     """
     text, end = "", ""
     for i, axis in enumerate(axes):
@@ -47,22 +43,9 @@ def arm(
         f'<mujoco><compiler angle="radian" balanceinertia="true"/><worldbody>{text}{tool}{end}</worldbody></mujoco>',
         encoding="utf-8",
     )
-    return LinkSide(path, tuple(f"joint{i}" for i in range(len(axes))), tool="tool")
+    return Robot.from_file(path, tool="tool")
 
 
-def compiled(robot: LinkSide) -> mujoco.MjModel:
-    """The link side of a robot."""
-    return mujoco.MjModel.from_xml_path(str(robot.file))
-
-
-def miro() -> LinkSide:
+def miro() -> Robot:
     """The shipped arm."""
-    return LinkSide(asset_path("miro_like"), tuple(f"joint{i}" for i in range(1, 8)), tool="tool")
-
-
-def standing(links: LinkSide, home: np.ndarray, redundant: tuple[str, ...] = ()) -> Robot:
-    """A robot with these links in a pose; its motors play no part."""
-    motors = FlexibleJoint(stiffness=1e3, damping=0.0, motor_inertia=1.0, torque_limit=10.0)
-    slides = compiled(links).jnt_type == mujoco.mjtJoint.mjJNT_SLIDE
-    units = tuple("m" if slide else "rad" for slide in slides)
-    return Robot(links.file.stem, links, units, motors, FRICTIONLESS, home, redundant)
+    return robot_of("miro_like")

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
-from arms import SIX, arm, compiled, miro, standing
+from arms import SIX, arm, miro
 
-from fo_gym.robots.home import found_home, redundant_joints
 from fo_gym.robots.poses import Poses, scaled, tool_rows
 from fo_gym.tasks.kinematics import path_table
-from fo_gym.tasks.squares import LARGEST_SIDE, SINGULAR, fitted_square
+from fo_gym.tasks.square_fit import LARGEST_SIDE, SINGULAR, fitted_square
 from fo_gym.tasks.tool_path import ToolPath
 
 Z, Y, X = "0 0 1", "0 1 0", "1 0 0"
@@ -20,9 +20,9 @@ DT = 0.02
 
 
 def test_the_shipped_square_is_the_fitted_one() -> None:
-    robot = miro()
-    home = compiled(robot).key("home").qpos.copy()
-    assert fitted_square(standing(robot, home, ("joint3",))) == (0.15, (0.0, -1.0, 0.0), (0.0, 0.0, -1.0))
+    assert fitted_square(miro()) == (0.15, ((0.0, -1.0, 0.0), (0.0, 0.0, -1.0)))
+    fitted = ToolPath(5.0).fitted_to(miro())
+    assert fitted == ToolPath(5.0, 0.15, (0.0, -1.0, 0.0), (0.0, 0.0, -1.0))
 
 
 def test_squares_of_all_kinds_of_arms_keep_their_distance(tmp_path: Path) -> None:
@@ -39,14 +39,12 @@ def test_squares_of_all_kinds_of_arms_keep_their_distance(tmp_path: Path) -> Non
         "endless": arm(tmp_path / "e.xml", limited=False),
     }
     for name, robot in arms.items():
-        model = compiled(robot)
-        home = found_home(model, "tool")
-        held = redundant_joints(model, home, "tool")
-        rows = tool_rows(model.nq)
-        assert len(held) == model.nq - rows, name
-        path = ToolPath(duration=5.0).fitted_to(standing(robot, home, held))
+        model, home, held, rows = robot.link_side.model, robot.home, robot.redundant, tool_rows(robot.dof)
+        assert len(held) == robot.dof - rows, name
+        path = ToolPath(5.0).fitted_to(robot)
+        assert path.side is not None
         assert 0.2 * LARGEST_SIDE * (0.2 if name == "small" else 1.0) <= path.side <= LARGEST_SIDE, name
-        table = path_table(robot, path, home, DT, held)
+        table = path_table(robot.link_side, path, home, DT, held)
         check = _Check(model, rows, [robot.joints.index(joint) for joint in held])
         for position, q in zip(table.position[::12], table.q_d[::12], strict=True):
             check.at(name, home, position, q)
@@ -85,24 +83,23 @@ class _Check:
 def test_arms_without_a_square_say_why(tmp_path: Path) -> None:
     two = arm(tmp_path / "2.xml", (Z, Y))
     with pytest.raises(ValueError, match="at least 3 joints; this one has 2"):
-        fitted_square(standing(two, np.zeros(2), ()))
-    planar = arm(tmp_path / "planar.xml", (Y, Y, Y))
-    with pytest.raises(ValueError, match="that pose is singular, with a smallest singular value of"):
-        fitted_square(standing(planar, np.array([0.5, 0.8, -0.6]), ()))
-    stretched = arm(tmp_path / "6.xml")
-    with pytest.raises(ValueError, match="pose is singular"):
-        fitted_square(standing(stretched, np.zeros(6), ()))
-    home = compiled(miro()).key("home").qpos.copy()
+        fitted_square(two)
+    planar = replace(arm(tmp_path / "planar.xml", (Y, Y, Y)), home=np.array([0.5, 0.8, -0.6]))
+    with pytest.raises(ValueError, match="singular there, with a smallest singular value of"):
+        fitted_square(planar)
+    with pytest.raises(ValueError, match="singular there"):
+        fitted_square(replace(arm(tmp_path / "6.xml"), home=np.zeros(6)))
     with pytest.raises(ValueError, match=r"no square of 0\.9 m.*0 of what is asked for"):
-        fitted_square(standing(miro(), home, ("joint3",)), side=0.9)
+        fitted_square(miro(), side=0.9)
     with pytest.raises(ValueError, match=r"redundant joints are \('joint3', 'joint3'\)"):
-        fitted_square(standing(miro(), home, ("joint3", "joint3")))
-    cornered = home.copy()
+        fitted_square(replace(miro(), redundant=("joint3", "joint3")))
+    cornered = miro().home.copy()
     cornered[6] = 2.85
     with pytest.raises(ValueError, match="limit of every joint"):
-        fitted_square(standing(miro(), cornered, ("joint3",)))
+        fitted_square(replace(miro(), home=cornered))
 
 
-def test_a_given_side_is_kept() -> None:
-    home = compiled(miro()).key("home").qpos.copy()
-    assert fitted_square(standing(miro(), home, ("joint3",)), side=0.1)[0] == 0.1
+def test_what_is_given_is_kept() -> None:
+    assert fitted_square(miro(), side=0.1)[0] == 0.1
+    plane = ((1.0, 0.0, 0.0), (0.0, 0.0, -1.0))
+    assert fitted_square(miro(), plane=plane)[1] == plane

@@ -8,7 +8,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.parameters import FlexibleJoint, ImpedanceGains, PDGains
+from fo_gym.parameters import ImpedanceGains, PDGains
+from fo_gym.robots import Robot
 from fo_gym.robots.poses import Poses, tool_rows
 
 Array = NDArray[np.float64]
@@ -25,6 +26,9 @@ that, what friction they leave displaces the motor by half of what it does witho
 
 DAMPING_RATE = 200.0
 """K_d / B at most [1/s]: a fifth of the sampling rate of 1 kHz."""
+
+SINGULAR = 1e6
+"""Condition number of the controlled coordinates' Jacobian from which on a pose is singular."""
 
 TOMEI = 1.15
 """K_p is at least so many times the largest |dg/dq|: below once (Tomei 1991) gravity has more than one rest."""
@@ -67,18 +71,13 @@ def gravity_slope(model: mujoco.MjModel) -> Array:
     return np.asarray((slopes @ poses.units).max(axis=0) / poses.units)
 
 
-def designed_pd(model: mujoco.MjModel, home: Array, joints: FlexibleJoint, response: Response = JOINT) -> PDGains:
+def designed_pd(robot: Robot, response: Response = JOINT) -> PDGains:
     """Motor PD gains, one value per joint.
 
     K_p = bandwidth^2 (M_jj(home) + B), at most STIFFNESS_RATE B and what a STEP may ask of the torque limit, but at
     least TOMEI times `gravity_slope`. K_d = 2 damping sqrt(K_p (M_jj + B)), at most DAMPING_RATE B.
-
-    Args:
-        model: the compiled link side, without armature.
-        home: start pose, (dof,) [rad | m].
-        joints: motors and springs, one value per joint.
-        response: what is wanted.
     """
+    model, home, joints = robot.link_side.model, robot.home, robot.flexible
     poses = Poses(model)
     inertia = np.diag(poses.inertia(home)) + joints.motor_inertia
     free = np.maximum(joints.torque_limit - np.abs(poses.gravity(home)), 0.0)
@@ -89,9 +88,7 @@ def designed_pd(model: mujoco.MjModel, home: Array, joints: FlexibleJoint, respo
     return PDGains(kp=kp, kd=kd)
 
 
-def designed_impedance(
-    model: mujoco.MjModel, home: Array, joints: FlexibleJoint, tool: str, redundant: tuple[str, ...]
-) -> ImpedanceGains:
+def designed_impedance(robot: Robot) -> ImpedanceGains:
     """Impedance gains from the inertia that the controlled coordinates feel at home, links and motors together.
 
     With A the Jacobian of tool position, tool orientation and redundant joints, Lambda = A^-T (M + B) A^-1. Each part
@@ -99,17 +96,22 @@ def designed_impedance(
     directions, at most what STIFFNESS_RATE and DAMPING_RATE allow the motors. The orientation's gains are without
     effect where the position alone is controlled, as are the elbow's where no joint is redundant.
 
-    Args:
-        model: the compiled link side, without armature.
-        home: start pose, (dof,) [rad | m], away from singular ones.
-        joints: motors and springs, one value per joint.
-        tool: name of the tool's site.
-        redundant: names of the joints that are held.
+    Raises:
+        ValueError: the robot has no tool, or it is at a singularity at home.
     """
-    poses, rows = Poses(model, tool), tool_rows(model.nq)
-    motors = np.asarray(joints.motor_inertia)
-    held = np.eye(model.nq)[[model.joint(name).id for name in redundant]].reshape(-1, model.nq)
+    if robot.tool is None:
+        raise ValueError(
+            f"robot {robot.name!r} has no tool for an impedance; name a site, a body or a link of its file"
+        )
+    model, home, motors = robot.link_side.model, robot.home, np.asarray(robot.flexible.motor_inertia)
+    poses, rows = Poses(model, robot.tool), tool_rows(robot.dof)
+    held = np.eye(robot.dof)[[robot.joints.index(name) for name in robot.redundant]].reshape(-1, robot.dof)
     jacobian = np.concatenate([poses.jacobian(home)[:rows], held])
+    if len(jacobian) != robot.dof or np.linalg.cond(jacobian) > SINGULAR:
+        raise ValueError(
+            f"robot {robot.name!r} cannot move its tool in {rows} directions at home, its redundant joints "
+            f"{robot.redundant} held; choose another home, tool or other redundant joints"
+        )
     inverse = np.linalg.inv(jacobian)
     inertia = inverse.T @ (poses.inertia(home) + np.diag(motors)) @ inverse
 
@@ -123,6 +125,6 @@ def designed_impedance(
 
     position = gains(slice(0, 3), POSITION)
     orientation = gains(slice(3, 6), ORIENTATION) if rows == 6 else position
-    elbow = [gains(slice(i, i + 1), ELBOW) for i in range(rows, model.nq)]
+    elbow = [gains(slice(i, i + 1), ELBOW) for i in range(rows, robot.dof)]
     kp_elbow, kd_elbow = np.array(elbow).T if elbow else orientation
     return ImpedanceGains(*position, *orientation, kp_elbow, kd_elbow)

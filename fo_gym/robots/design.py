@@ -100,7 +100,7 @@ def designed_joints(
         model: the compiled link side, without armature.
         home: start pose, (dof,) [rad | m].
         armature: B as the file has it, (dof,) [kg m^2 | kg], 0 where it has none.
-        torque_limit: as the file has it, (dof,) [N m | N], infinite where it has none.
+        torque_limit: as the file has it, (dof,) [N m | N], NaN where it has none.
     """
     poses = Poses(model)
     units = poses.units
@@ -108,7 +108,7 @@ def designed_joints(
     load = _gravity_load(poses) * units
     rotor = np.maximum(_known(armature, 0.0, len(home)) * units**2, 0.0)
     limit = LIMIT_GRAVITY * load + LIMIT_ACCELERATION * (own + rotor)
-    given = _known(torque_limit, np.inf, len(home)) * units
+    given = _known(torque_limit, np.nan, len(home)) * units
     limit = np.where(np.isfinite(given), given, limit)
     limit = np.where(np.isfinite(given), given, _two_digits(np.maximum(limit, LIMIT_SHARE * limit.max()), units))
     least, most = INERTIA_RATIO

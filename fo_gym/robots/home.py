@@ -53,7 +53,7 @@ def found_home(model: mujoco.MjModel, tool: str | None = None, torque_limit: Arr
     Args:
         model: the compiled link side.
         tool: name of the tool's site.
-        torque_limit: of every joint, (dof,) [N m | N], or None where none is known.
+        torque_limit: of every joint, (dof,) [N m | N], NaN where it is not known; None where none is.
     """
     poses = Poses(model, tool)
     reach = poses.reach() if tool is not None else 1.0
@@ -63,7 +63,8 @@ def found_home(model: mujoco.MjModel, tool: str | None = None, torque_limit: Arr
         if tool is not None:
             scores[i] = conditioning(poses, q, reach)
         if torque_limit is not None:
-            scores[i] *= min(1.0, LOADED / max(1e-9, float(np.max(np.abs(poses.gravity(q)) / torque_limit))))
+            load = np.abs(poses.gravity(q)) / torque_limit
+            scores[i] *= min(1.0, LOADED / np.nanmax(load, initial=1e-9))
     best = candidates[int(np.argmax(np.round(scores, _DIGITS)))]
     # Round numbers, as far as the range of a joint is not too small for them.
     return np.where(poses.high - poses.low > 1.0 * poses.units, np.round(best, 3), best)

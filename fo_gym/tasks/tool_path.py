@@ -20,7 +20,7 @@ from fo_gym.robots.poses import tool_rows
 from fo_gym.tasks.control import believed
 from fo_gym.tasks.kinematics import PathTable, path_table
 from fo_gym.tasks.scenario import Scenario
-from fo_gym.tasks.squares import fitted_square, square_motion
+from fo_gym.tasks.square_fit import fitted_square
 
 Array = NDArray[np.float64]
 Ids = NDArray[np.intp]
@@ -77,7 +77,7 @@ class ToolPath:
         if self.side is not None and self.first is not None:
             return self
         plane = None if self.first is None or self.second is None else (self.first, self.second)
-        side, first, second = fitted_square(robot, self.side, plane)
+        side, (first, second) = fitted_square(robot, self.side, plane)
         return replace(self, side=side, first=first, second=second)
 
     def target(self, home: Array, share: Array | float = 1.0) -> None:
@@ -85,13 +85,7 @@ class ToolPath:
 
     def designed_gains(self, robot: Robot) -> ImpedanceGains:
         """The robot's own impedance gains, or designed ones."""
-        if robot.tool is None:
-            raise ValueError(
-                f"robot {robot.name!r} has no tool, which this task moves; name a site, body or link of its file"
-            )
-        return robot.impedance_gains or designed_impedance(
-            robot.link_side.model, robot.home, robot.flexible, robot.tool, robot.redundant
-        )
+        return robot.impedance_gains or designed_impedance(robot)
 
     def control(self, robot: Robot, plant: FlexibleJointPlant, gains: Any) -> ToolPathControl:
         """Impedance along the path."""
@@ -101,7 +95,15 @@ class ToolPath:
         """Offset from the start [m] and velocity [m/s] at `time` (n,) [s], (n, 3) each; at rest after the end."""
         if self.side is None or self.first is None or self.second is None:
             raise ValueError("ToolPath has no side or plane yet; give them, or use fitted_to(robot)")
-        return square_motion(time, self.duration, self.side, self.first, self.second)
+        side_time = self.duration / 4.0
+        progress = np.clip(np.asarray(time, dtype=np.float64) / side_time, 0.0, 4.0)
+        index = np.minimum(progress.astype(int), 3)
+        x = progress - index
+        directions = np.array([self.first, self.second, np.negative(self.first), np.negative(self.second)]) * self.side
+        corners = np.vstack([np.zeros(3), np.cumsum(directions, axis=0)])
+        along = x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
+        speed = 30.0 * x**2 * (1.0 - x) ** 2 / side_time
+        return corners[index] + along[:, None] * directions[index], speed[:, None] * directions[index]
 
 
 @lru_cache(maxsize=8)

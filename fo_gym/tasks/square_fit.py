@@ -1,4 +1,4 @@
-"""Squares: how a tool runs along one, and which one an arm can draw from its home pose."""
+"""Side and plane of a square that an arm can draw from its start pose."""
 
 from __future__ import annotations
 
@@ -35,81 +35,68 @@ _PER_SIDE = 8
 _DIGITS = 3
 """Scores count to these digits, so that the last bits of a processor decide nothing; of equals the first is taken."""
 
-__all__ = ["Direction", "fitted_square", "square_motion"]
-
-
-def square_motion(
-    time: Array, duration: float, side: float, first: Direction, second: Direction
-) -> tuple[Array, Array]:
-    """A square's four sides in turn, back to the start; see ToolPath.
-
-    Returns:
-        Offset from the start [m] and velocity [m/s] at `time` (n,) [s], (n, 3) each; at rest after the end.
-    """
-    side_time = duration / 4.0
-    progress = np.clip(np.asarray(time, dtype=np.float64) / side_time, 0.0, 4.0)
-    index = np.minimum(progress.astype(int), 3)
-    x = progress - index
-    directions = np.array([first, second, np.negative(first), np.negative(second)]) * side
-    corners = np.vstack([np.zeros(3), np.cumsum(directions, axis=0)])
-    along = x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
-    speed = 30.0 * x**2 * (1.0 - x) ** 2 / side_time
-    return corners[index] + along[:, None] * directions[index], speed[:, None] * directions[index]
+__all__ = ["fitted_square"]
 
 
 def _planes() -> list[tuple[Direction, Direction]]:
     """Directions of first and second side: all quarters of the three planes of the world's axes, the upright first."""
     x, y, z = np.eye(3)
     signs = list(product((-1.0, 1.0), repeat=2))
-    both = [(s * first + 0.0, t * second + 0.0) for first, second in ((y, z), (x, z), (x, y)) for s, t in signs]
-    return [((*first.tolist(),), (*second.tolist(),)) for first, second in both]
+    pairs = [(s * first + 0.0, t * second + 0.0) for first, second in ((y, z), (x, z), (x, y)) for s, t in signs]
+    return [((*first.tolist(),), (*second.tolist(),)) for first, second in pairs]
 
 
 def fitted_square(
-    robot: Robot, side: float | None = None, plane: tuple[Direction, Direction] | None = None
-) -> tuple[float, Direction, Direction]:
-    """The largest square from the tool's home that keeps away from singular poses and from the joints' limits.
+    robot: Robot,
+    side: float | None = None,
+    plane: tuple[Direction, Direction] | None = None,
+) -> tuple[float, tuple[Direction, Direction]]:
+    """The largest square from the tool's start that keeps away from singular poses and from the joints' limits.
 
     Tried are the quarters of the world's planes and SIZES of the largest side. Along the whole of it the smallest
     singular value of the Jacobian, redundant joints held, is at least SINGULAR, and every joint keeps MARGIN. Among
     squares of one size the one with the most room counts, the smaller of both as a multiple of what is asked.
 
     Args:
-        robot: it has a tool; home is a corner of the square.
-        side: its length [m]; None for the largest that fits.
-        plane: directions of its first and second side; None for those that leave most room.
+        robot: with a tool; its home is a corner of the square.
+        side: length of a side [m]; None for the largest that fits.
+        plane: unit vectors of the first and the second side, in the world; None for the one with the most room.
 
     Returns:
-        Side [m], directions of the first and the second side.
+        Side [m]; plane, as above.
 
     Raises:
         ValueError: no square fits; the message says what stands in the way.
     """
     planes = _planes() if plane is None else [plane]
-    ticks = np.arange(4 * _PER_SIDE + 1) / _PER_SIDE
-    tool = ToolKinematics(robot.link_side, robot.home, robot.redundant, len(planes) * len(ticks))
+    tool = ToolKinematics(robot.link_side, robot.home, robot.redundant, len(planes) * 4 * _PER_SIDE)
     poses = Poses(tool.body.model, robot.tool)
     reach = poses.reach()
     smallest = _smallest(tool, tool.jacobian(tool.start), poses.units, reach)[0]
     if smallest < SINGULAR:
         raise ValueError(
-            f"the tool of robot {robot.name!r} cannot draw a square from home: that pose is singular, with a smallest "
-            f"singular value of {smallest:.2g} where {SINGULAR:g} is asked for; choose another home, tool or redundant "
-            "joints"
+            f"the tool cannot draw a square from this start pose: it is singular there, with a smallest singular value "
+            f"of {smallest:.2g} where {SINGULAR:g} is asked for; choose another home, tool or other redundant joints"
         )
     largest = min(LARGEST_SIDE, SIDE_SHARE * reach)
     for length in [side] if side is not None else [size * largest for size in SIZES]:
-        offsets = [square_motion(ticks, 4.0, length, *directions)[0] for directions in planes]
-        room = _room(tool, np.concatenate(offsets), poses, reach)
+        room = _room(tool, length * np.concatenate([_outline(*each) for each in planes]), poses, reach)
         rooms = np.round(room.reshape(len(planes), -1).min(axis=1), _DIGITS)
         best = int(np.argmax(rooms))
         if rooms[best] >= 1.0:
-            return length, *planes[best]
+            return length, planes[best]
     raise ValueError(
-        f"the tool of robot {robot.name!r} draws no square of {length:.3g} m from home: in the best plane it reaches "
+        f"the tool draws no square of {length:.3g} m from this start pose: in the best plane it reaches "
         f"{rooms[best]:.2g} of what is asked for, a smallest singular value of {SINGULAR:g} and {MARGIN:g} rad to the "
-        "limit of every joint; choose another home, tool or redundant joints, or a smaller side"
+        "limit of every joint; choose another home, tool or other redundant joints, or a smaller side"
     )
+
+
+def _outline(first: Direction, second: Direction) -> Array:
+    """Points of a square of side 1, (4 _PER_SIDE, 3), from its first corner."""
+    along = np.arange(_PER_SIDE)[:, None] / _PER_SIDE
+    u, v = np.array(first), np.array(second)
+    return np.concatenate([along * u, u + along * v, u + v - along * u, v - along * v])
 
 
 def _smallest(tool: ToolKinematics, jacobian: Array, units: Array, reach: float) -> Array:
