@@ -16,6 +16,7 @@ from fo_gym.evaluation.competitors.team import Team, by_feedback
 from fo_gym.evaluation.episode.recording import Recording, References
 from fo_gym.evaluation.episode.trace import Trace, traces_of
 from fo_gym.evaluation.runs.episodes import FAILED, EpisodeSet, failed_rows, references_of, rows
+from fo_gym.tasks.variants import NOMINAL
 
 NONE = Competitor("none", "none", REFERENCE)
 IDEAL = Competitor("ideal", "ideal", REFERENCE)
@@ -67,7 +68,7 @@ def _timing(episodes: EpisodeSet, name: str, recording: Recording) -> dict[str, 
 
 def _trial(episodes: EpisodeSet, name: str, recording: Recording, references: References) -> Trial:
     scores = rows(episodes, name, recording, references)
-    kept = episodes.traced or episodes.variant == "nominal"
+    kept = episodes.traced or episodes.variant == NOMINAL
     traces = traces_of(name, scores, recording, references) if kept else ()
     return Trial(scores, _timing(episodes, name, recording), traces)
 
