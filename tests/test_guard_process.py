@@ -17,7 +17,7 @@ from answering import DOF, SQUARE, STICTION
 from tables import SIX
 
 import fo_gym
-from fo_gym import compensators
+from fo_gym import specs
 from fo_gym.evaluation.competitors.competitor import BASELINE, SUBMISSION, Competitor
 from fo_gym.evaluation.competitors.guard import process
 from fo_gym.evaluation.competitors.guard.limits import Limits
@@ -80,9 +80,9 @@ def test_what_is_not_ours_is_guarded(mine: str, monkeypatch: pytest.MonkeyPatch)
     others = (mine, "baselines.kim2019:pid_high", "nobody")
     assert [name for name in (*ours, *others) if Competitor(name, name, BASELINE).guarded] == list(others)
     assert Competitor("theirs", "pid-high", SUBMISSION).guarded
-    entries = compensators.entry_points(group=compensators.GROUP)
-    foreign = [compensators.EntryPoint(name, "mine:Mine", compensators.GROUP) for name in ("theirs", "pid-high")]
-    monkeypatch.setattr(compensators, "entry_points", lambda group: [*foreign, *entries])
+    entries = specs.entry_points(group=specs.GROUP)
+    foreign = [specs.EntryPoint(name, "mine:Mine", specs.GROUP) for name in ("theirs", "pid-high")]
+    monkeypatch.setattr(specs, "entry_points", lambda group: [*foreign, *entries])
     with pytest.warns(UserWarning, match="plug-in 'mine:Mine' is ignored: the name 'pid-high' is reserved"):
         assert [Competitor(name, name).guarded for name in ("theirs", "pid-high")] == [True, False]
 

@@ -11,7 +11,6 @@ import numpy as np
 import pandas as pd
 from scipy.stats import rankdata
 
-from fo_gym.compensators import BUILT_IN
 from fo_gym.evaluation.competitors.competitor import BASELINE
 from fo_gym.evaluation.episode.record import Array
 from fo_gym.evaluation.metrics import METRICS
@@ -26,6 +25,7 @@ from fo_gym.evaluation.results.statistics import (
 )
 from fo_gym.evaluation.runs.episodes import FAILED, KEY, OK, SET, TERMINATED
 from fo_gym.evaluation.runs.provenance import is_provenance
+from fo_gym.specs import BUILT_IN
 
 OVERALL = "overall"
 """What stands in the column env where all environments count together."""

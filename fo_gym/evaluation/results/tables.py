@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from fo_gym.compensators import BUILT_IN
 from fo_gym.evaluation.competitors.competitor import SUBMISSION, YOURS, Competitor
 from fo_gym.evaluation.results.leaderboard import leaderboard, overall
 from fo_gym.evaluation.runs.episodes import OK, SET
+from fo_gym.specs import BUILT_IN
 from fo_gym.text import MESSAGE_LIMIT, NAME_LIMIT, markdown_code, markdown_table, markdown_text, one_line
 
 MARKS = {SUBMISSION: "†", YOURS: "*"}
