@@ -36,9 +36,11 @@ def test_columns_of_the_leaderboard() -> None:
 
 
 def test_means_are_interquartile_and_inside_their_interval() -> None:
-    table = leaderboard(synthetic({"a": [0.0, 0.4, 0.6, 99.0], "b": [0.1] * 4}, rest_error_ju=[1.0, 2.0, 4.0, 99.0]))
+    table = leaderboard(
+        synthetic({"a": [0.0, 0.4, 0.6, 99.0], "b": [0.1] * 4}, steady_state_error_ju=[1.0, 2.0, 4.0, 99.0])
+    )
     assert table["frr"].tolist() == pytest.approx([0.5, 0.1])
-    assert table["rest_error_ju"].tolist() == pytest.approx([3.0, 3.0])
+    assert table["steady_state_error_ju"].tolist() == pytest.approx([3.0, 3.0])
     assert table["frr_ci_low"][0] < 0.5 < table["frr_ci_high"][0]
     assert table.loc[1, ["frr_ci_low", "frr_ci_high"]].tolist() == pytest.approx([0.1, 0.1])
 
