@@ -29,6 +29,7 @@ __all__ = [
     "Ideal",
     "NoCompensation",
     "declared_gains",
+    "has_learned",
     "make_compensator",
 ]
 
@@ -43,6 +44,7 @@ class Compensator(Protocol):
 
     Attributes:
         feedback: "measured" or "nominal", which motor signal the task's controller gets.
+        learned: optional; True where data trained it, which tables say of it. Without this attribute it did not learn.
     """
 
     feedback: str
@@ -179,7 +181,8 @@ def checked(candidate: Any, name: str) -> Compensator:
 
     Raises:
         ValueError: it is the reference `ideal` under another name.
-        TypeError: it lacks `feedback`, `reset` or `estimate`; the message shows what is needed.
+        TypeError: it lacks `feedback`, `reset` or `estimate`, or `learned` is no truth value; the message shows what
+            is needed.
     """
     if inspect.isclass(candidate) or not isinstance(candidate, Compensator):
         missing = [part for part in ("feedback", "reset", "estimate") if not hasattr(candidate, part)]
@@ -191,7 +194,14 @@ def checked(candidate: Any, name: str) -> Compensator:
         raise ValueError(f"compensator {name!r} is the reference 'ideal', not a competitor; name it 'ideal'")
     if candidate.feedback not in ("measured", "nominal"):
         raise TypeError(f"compensator {name!r}: feedback is {candidate.feedback!r}; allowed are 'measured', 'nominal'")
+    if not isinstance(learned := getattr(candidate, "learned", False), bool):
+        raise TypeError(f"compensator {name!r}: learned is {shown(learned)}; give True or False, or leave it out")
     return candidate
+
+
+def has_learned(compensator: Compensator) -> bool:
+    """Whether data trained it, as it says itself."""
+    return bool(getattr(compensator, "learned", False))
 
 
 def declared_gains(compensator: Any) -> dict[str, tuple[float, float, float]]:

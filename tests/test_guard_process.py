@@ -87,6 +87,19 @@ def test_what_is_not_ours_is_guarded(mine: str, monkeypatch: pytest.MonkeyPatch)
         assert [Competitor(name, name).guarded for name in ("theirs", "pid-high")] == [True, False]
 
 
+def test_what_it_says_of_its_learning_is_in_its_rows(mine: str) -> None:
+    """Here and in a process of its own; and only True and False say something."""
+    assert not fo_gym.evaluate(mine, STICTION, duration=0.01)["learned"].any()
+    file = Path("mine.py")
+    mine_py = file.read_text(encoding="utf-8")
+    file.write_text(mine_py.replace("    search_space", "    learned = True\n    search_space"), encoding="utf-8")
+    assert fo_gym.evaluate(mine, STICTION, duration=0.01)["learned"].all()
+    assert fo_gym.evaluate("rl-direct", STICTION, duration=0.01)["learned"].all()
+    file.write_text(mine_py.replace("    search_space", "    learned = 'yes'\n    search_space"), encoding="utf-8")
+    with pytest.raises(TypeError, match="learned is 'yes'; give True or False"):
+        fo_gym.evaluate(mine, STICTION, duration=0.01)
+
+
 def test_it_is_imported_nowhere_else(mine: str, capsys: pytest.CaptureFixture[str]) -> None:
     """Neither to score it nor to ask for its gains; and what it prints is plain."""
     assert fo_gym.evaluate(mine, STICTION, duration=0.01)["frr"].tolist() == [0.0]

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from fo_gym.checks import choice, only, shown, text, whole_number
-from fo_gym.compensators import Compensator, handed
+from fo_gym.compensators import Compensator, handed, has_learned
 from fo_gym.evaluation.competitors.entry import competitor_of
 from fo_gym.evaluation.episode.recording import References
 from fo_gym.evaluation.runs.episodes import EpisodeSet, references_of, rows
@@ -79,7 +79,8 @@ def evaluate(
         episodes = EpisodeSet(env_id, variant, evaluation_seeds(variant, seeds), env_kwargs)
         recording = episodes.record(instance, name)  # first: what cannot run says so at once
     none, ideal = references_of(episodes)
-    table = rows(episodes, name, recording, References(ideal.motions, none.motions))
+    references = References(ideal.motions, none.motions)
+    table = rows(episodes, name, recording, references, learned=has_learned(instance))
     return table.assign(competitor_hash=content)
 
 
