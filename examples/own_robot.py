@@ -74,4 +74,5 @@ if __name__ == "__main__":
         register(Path(name))
         for compensator in ("none", "pd-high", "pid-high"):
             rows = fo_gym.evaluate(compensator, "TwoLinks-v0")
-            print(f"{compensator:9s} FRR {rows.frr[0]:7.4f}   rest error {1e3 * rows.rest_error_ju[0]:7.3f} mrad")
+            error = 1e3 * rows.steady_state_error_ju[0]
+            print(f"{compensator:9s} FRR {rows.frr[0]:7.4f}   steady-state error {error:7.3f} mrad")

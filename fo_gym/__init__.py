@@ -7,11 +7,12 @@ Numba or pandas is imported when it is first used.
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from fo_gym.compensators import Compensator, CompensatorError, list_compensators, make_compensator
+from fo_gym.compensators import Compensator, CompensatorError, make_compensator
 from fo_gym.envs.registry import ENVIRONMENTS
 from fo_gym.hardware import Hardware, SensorModel
 from fo_gym.parameters import FRICTIONLESS, FlexibleJoint, ImpedanceGains, JointInfo, LuGre, PDGains
 from fo_gym.signals import Signals
+from fo_gym.specs import list_compensators
 
 __version__ = "0.1.0"
 

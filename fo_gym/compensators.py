@@ -1,4 +1,4 @@
-"""Compensators: the protocol they follow, how they are found by name, and the two that the suite itself makes."""
+"""Compensators: the protocol they follow, how they are made, and the two that the suite itself makes."""
 
 from __future__ import annotations
 
@@ -7,13 +7,9 @@ import importlib
 import importlib.util
 import inspect
 import math
-import os
 import sys
-import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from functools import lru_cache
-from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
@@ -23,24 +19,17 @@ from numpy.typing import NDArray
 from fo_gym.checks import shown, text
 from fo_gym.parameters import JointInfo
 from fo_gym.signals import Signals
+from fo_gym.specs import BUILT_IN, check_spec, plug_in, spec_of
 
 Array = NDArray[np.float64]
 
-GROUP = "fo_gym.compensators"
-BUILT_IN = ("none", "ideal")
-
-_OURS = "fo-gym"
-"""The distribution whose plug-ins are the project's own."""
-
 __all__ = [
-    "BUILT_IN",
     "Compensator",
     "CompensatorError",
     "Ideal",
     "NoCompensation",
     "declared_gains",
-    "is_ours",
-    "list_compensators",
+    "has_learned",
     "make_compensator",
 ]
 
@@ -55,6 +44,7 @@ class Compensator(Protocol):
 
     Attributes:
         feedback: "measured" or "nominal", which motor signal the task's controller gets.
+        learned: optional; True where data trained it, which tables say of it. Without this attribute it did not learn.
     """
 
     feedback: str
@@ -84,42 +74,6 @@ class Ideal(NoCompensation):
     """`ideal`: no compensation on joints without friction; a reference, not a competitor."""
 
 
-def _is_own(entry: EntryPoint) -> bool:
-    return entry.dist is not None and entry.dist.name == _OURS
-
-
-@lru_cache(maxsize=4)
-def _registered(read: Callable[..., Iterable[EntryPoint]], path: tuple[str, ...]) -> list[EntryPoint]:
-    """What is installed in the folders of `path`, read once: that takes far longer than to make a compensator."""
-    return sorted(read(group=GROUP), key=lambda entry: entry.name)
-
-
-def _plug_ins() -> dict[str, tuple[EntryPoint, ...]]:
-    """Registered names and what each stands for; a name that two plug-ins claim has both, ours nobody else can."""
-    found: dict[str, dict[str, EntryPoint]] = {}
-    registered = _registered(entry_points, tuple(sys.path))
-    ours = {entry.name for entry in registered if _is_own(entry)}
-    for entry in registered:
-        if entry.name in BUILT_IN or (entry.name in ours and not _is_own(entry)):
-            warnings.warn(f"plug-in {entry.value!r} is ignored: the name {entry.name!r} is reserved", stacklevel=2)
-            continue
-        found.setdefault(entry.name, {})[entry.value] = entry
-    return {name: tuple(entries.values()) for name, entries in found.items()}
-
-
-def list_compensators() -> list[str]:
-    """Registered names: the built-in `none` and `ideal`, then the plug-ins of `fo_gym.compensators`."""
-    return [*BUILT_IN, *_plug_ins()]
-
-
-def is_ours(spec: str) -> bool:
-    """Whether a spec names the project's own code: `none`, `ideal`, or what its own distribution registered.
-
-    Everything else is a stranger's code, which evaluations run in a process of its own.
-    """
-    return spec in BUILT_IN or any(_is_own(entry) for entry in _plug_ins().get(spec, ()))
-
-
 def _module_from_file(path: Path) -> Any:
     """Import a file, under a name of its own that a second import of the same file finds again."""
     name = f"fo_gym_file_{hashlib.sha256(str(path.resolve()).encode()).hexdigest()[:16]}"
@@ -136,50 +90,28 @@ def _module_from_file(path: Path) -> Any:
     return module
 
 
-def _place(spec: str) -> tuple[str, str]:
-    """The module or file, and what to take of it. Raises ValueError where `spec` has not both, or there is no file."""
-    where, _, attribute = spec.rpartition(":")
-    if not where or not attribute or (where.startswith(".") and not where.endswith(".py")):
-        known = ", ".join(list_compensators())
-        raise ValueError(
-            f"unknown compensator {shown(spec)}; registered are {known}; or name module:Class or file.py:Class"
-        )
-    if where.endswith(".py") and not os.path.isfile(where):
-        raise ValueError(f"compensator {shown(spec)}: there is no file {where}; name one that exists")
-    return where, attribute
-
-
-def check_spec(spec: str) -> None:
-    """Raise ValueError where no name is registered and there is no file; modules are not sought."""
-    if spec not in list_compensators():
-        _place(text("compensator", spec))
-
-
-def _factory(spec: str) -> Any:
-    """What `spec` names: a class or a function that makes a compensator."""
-    plug_ins = _plug_ins()
-    if spec in BUILT_IN:
-        return {"none": NoCompensation, "ideal": Ideal}[spec]
-    if spec in plug_ins:
-        if len(plug_ins[spec]) > 1:
-            both = " and ".join(entry.value for entry in plug_ins[spec])
-            raise ValueError(f"two plug-ins are called {spec!r}: {both}; name one of them as module:Class")
-        return plug_ins[spec][0].load()
-    where, attribute = _place(spec)
-    if where.endswith(".py"):
-        module = _module_from_file(Path(where))
+def _factory(given: str) -> Any:
+    """What a text names: a class or a function that makes a compensator."""
+    if (entry := plug_in(given)) is not None:
+        return entry.load()
+    if given in BUILT_IN:
+        return {"none": NoCompensation, "ideal": Ideal}[given]
+    check_spec(given)
+    spec = spec_of(given)
+    if spec.kind == "file":
+        module = _module_from_file(Path(spec.where))
     else:
         try:
-            module = importlib.import_module(where)
+            module = importlib.import_module(spec.where)
         except ModuleNotFoundError as error:
             raise ValueError(
-                f"compensator {spec!r}: {error}; is the package installed? A file is named file.py:Class"
+                f"compensator {given!r}: {error}; is the package installed? A file is named file.py:Class"
             ) from error
-    if not hasattr(module, attribute):
-        raise ValueError(f"compensator {spec!r}: {where} has no {attribute!r}; name a class that it has")
-    factory = getattr(module, attribute)
+    if not hasattr(module, spec.attribute):
+        raise ValueError(f"compensator {given!r}: {spec.where} has no {spec.attribute!r}; name a class that it has")
+    factory = getattr(module, spec.attribute)
     if not callable(factory):
-        raise ValueError(f"compensator {spec!r} is {shown(factory)}; name a class, or a function that makes one")
+        raise ValueError(f"compensator {given!r} is {shown(factory)}; name a class, or a function that makes one")
     return factory
 
 
@@ -249,7 +181,8 @@ def checked(candidate: Any, name: str) -> Compensator:
 
     Raises:
         ValueError: it is the reference `ideal` under another name.
-        TypeError: it lacks `feedback`, `reset` or `estimate`; the message shows what is needed.
+        TypeError: it lacks `feedback`, `reset` or `estimate`, or `learned` is no truth value; the message shows what
+            is needed.
     """
     if inspect.isclass(candidate) or not isinstance(candidate, Compensator):
         missing = [part for part in ("feedback", "reset", "estimate") if not hasattr(candidate, part)]
@@ -261,7 +194,14 @@ def checked(candidate: Any, name: str) -> Compensator:
         raise ValueError(f"compensator {name!r} is the reference 'ideal', not a competitor; name it 'ideal'")
     if candidate.feedback not in ("measured", "nominal"):
         raise TypeError(f"compensator {name!r}: feedback is {candidate.feedback!r}; allowed are 'measured', 'nominal'")
+    if not isinstance(learned := getattr(candidate, "learned", False), bool):
+        raise TypeError(f"compensator {name!r}: learned is {shown(learned)}; give True or False, or leave it out")
     return candidate
+
+
+def has_learned(compensator: Compensator) -> bool:
+    """Whether data trained it, as it says itself."""
+    return bool(getattr(compensator, "learned", False))
 
 
 def declared_gains(compensator: Any) -> dict[str, tuple[float, float, float]]:

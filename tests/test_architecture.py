@@ -35,6 +35,7 @@ FLOW = (
     ("fo_gym.simulation",),
     ("fo_gym.envs",),
     ("fo_gym.files", "fo_gym.console", "fo_gym.sb3"),
+    ("fo_gym.specs",),
     ("fo_gym.compensators",),
     ("fo_gym.evaluation", "fo_gym.protocols"),
     ("fo_gym.evaluation.episode",),

@@ -375,7 +375,7 @@ def test_wrong_usage(folder: Path, command: str, message: str) -> None:
 
 WIDE = Ranking(
     "FJRStiction-v0, nominal",
-    ["rank", "compensator", "FRR", "95 % interval", "ranks", "group", "rest error [mm]", "lag [ms]", "verdict"],
+    ["rank", "compensator", "FRR", "95 % interval", "ranks", "group", "steady-state error [mm]", "lag [ms]", "verdict"],
     [["1", "a-long-name of mine", "0.9838", "0.9821 ... 0.9852", "1 ... 3", "ab", "0.0124", "5.1", "best"]] * 2
     + [["", "theirs", "", "", "", "", "", "", "failed: KeyError: a long tale, which is told to its very end"]],
 )

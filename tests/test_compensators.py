@@ -13,8 +13,9 @@ import pytest
 
 import fo_gym
 from baselines import LeTienObserver, PDObserver, PIDObserver
-from fo_gym import compensators, list_compensators, make_compensator
-from fo_gym.compensators import GROUP, Ideal, NoCompensation
+from fo_gym import list_compensators, make_compensator, specs
+from fo_gym.compensators import Ideal, NoCompensation
+from fo_gym.specs import GROUP
 
 SIX = {
     "letien-high": LeTienObserver,
@@ -82,7 +83,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def plug_ins(monkeypatch: pytest.MonkeyPatch, *entries: tuple[str, str]) -> None:
     """Let these (name, value) be all installed plug-ins."""
     found = [EntryPoint(name, value, GROUP) for name, value in entries]
-    monkeypatch.setattr(compensators, "entry_points", lambda group: [each for each in found if each.group == group])
+    monkeypatch.setattr(specs, "entry_points", lambda group: [each for each in found if each.group == group])
 
 
 def test_list_holds_the_references_and_the_baselines() -> None:

@@ -105,6 +105,7 @@ def test_actions_are_clipped_to_the_torque_limit(env_id):
         obs, *_, info = env.step(7.0 * sign * limit)
         np.testing.assert_array_equal(obs, clipped.step(sign * limit)[0])
         np.testing.assert_array_equal(info["tau_m"], sign * limit if mode == "torque" else tau_c - sign * limit)
+        np.testing.assert_array_equal(info["tau_f_hat"], 0.0 * limit if mode == "torque" else sign * limit)
 
 
 @every_env

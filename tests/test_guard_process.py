@@ -17,7 +17,7 @@ from answering import DOF, SQUARE, STICTION
 from tables import SIX
 
 import fo_gym
-from fo_gym import compensators
+from fo_gym import specs
 from fo_gym.evaluation.competitors.competitor import BASELINE, SUBMISSION, Competitor
 from fo_gym.evaluation.competitors.guard import process
 from fo_gym.evaluation.competitors.guard.limits import Limits
@@ -80,11 +80,24 @@ def test_what_is_not_ours_is_guarded(mine: str, monkeypatch: pytest.MonkeyPatch)
     others = (mine, "baselines.kim2019:pid_high", "nobody")
     assert [name for name in (*ours, *others) if Competitor(name, name, BASELINE).guarded] == list(others)
     assert Competitor("theirs", "pid-high", SUBMISSION).guarded
-    entries = compensators.entry_points(group=compensators.GROUP)
-    foreign = [compensators.EntryPoint(name, "mine:Mine", compensators.GROUP) for name in ("theirs", "pid-high")]
-    monkeypatch.setattr(compensators, "entry_points", lambda group: [*foreign, *entries])
+    entries = specs.entry_points(group=specs.GROUP)
+    foreign = [specs.EntryPoint(name, "mine:Mine", specs.GROUP) for name in ("theirs", "pid-high")]
+    monkeypatch.setattr(specs, "entry_points", lambda group: [*foreign, *entries])
     with pytest.warns(UserWarning, match="plug-in 'mine:Mine' is ignored: the name 'pid-high' is reserved"):
         assert [Competitor(name, name).guarded for name in ("theirs", "pid-high")] == [True, False]
+
+
+def test_what_it_says_of_its_learning_is_in_its_rows(mine: str) -> None:
+    """Here and in a process of its own; and only True and False say something."""
+    assert not fo_gym.evaluate(mine, STICTION, duration=0.01)["learned"].any()
+    file = Path("mine.py")
+    mine_py = file.read_text(encoding="utf-8")
+    file.write_text(mine_py.replace("    search_space", "    learned = True\n    search_space"), encoding="utf-8")
+    assert fo_gym.evaluate(mine, STICTION, duration=0.01)["learned"].all()
+    assert fo_gym.evaluate("rl-direct", STICTION, duration=0.01)["learned"].all()
+    file.write_text(mine_py.replace("    search_space", "    learned = 'yes'\n    search_space"), encoding="utf-8")
+    with pytest.raises(TypeError, match="learned is 'yes'; give True or False"):
+        fo_gym.evaluate(mine, STICTION, duration=0.01)
 
 
 def test_it_is_imported_nowhere_else(mine: str, capsys: pytest.CaptureFixture[str]) -> None:

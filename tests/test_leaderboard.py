@@ -36,9 +36,11 @@ def test_columns_of_the_leaderboard() -> None:
 
 
 def test_means_are_interquartile_and_inside_their_interval() -> None:
-    table = leaderboard(synthetic({"a": [0.0, 0.4, 0.6, 99.0], "b": [0.1] * 4}, rest_error_ju=[1.0, 2.0, 4.0, 99.0]))
+    table = leaderboard(
+        synthetic({"a": [0.0, 0.4, 0.6, 99.0], "b": [0.1] * 4}, steady_state_error_ju=[1.0, 2.0, 4.0, 99.0])
+    )
     assert table["frr"].tolist() == pytest.approx([0.5, 0.1])
-    assert table["rest_error_ju"].tolist() == pytest.approx([3.0, 3.0])
+    assert table["steady_state_error_ju"].tolist() == pytest.approx([3.0, 3.0])
     assert table["frr_ci_low"][0] < 0.5 < table["frr_ci_high"][0]
     assert table.loc[1, ["frr_ci_low", "frr_ci_high"]].tolist() == pytest.approx([0.1, 0.1])
 
@@ -108,26 +110,30 @@ def test_standings_where_the_answer_is_known() -> None:
 
 
 def test_the_difference_to_the_best_baseline_passes_over_what_learned_and_what_is_not_ours() -> None:
-    frr = {"rl-new": 0.9, "mine.py:Mine": 0.8, "pid": 0.7, "pd": 0.6}
-    table = standings(synthetic({name: list(BASE + level) for name, level in frr.items()})).set_index("compensator")
+    frr = {"network": 0.9, "mine.py:Mine": 0.8, "pid": 0.7, "pd": 0.6}
+    episodes = synthetic({name: list(BASE + level) for name, level in frr.items()})
+    episodes["learned"] = episodes["compensator"] == "network"
+    table = standings(episodes).set_index("compensator")
     assert table["frr_to_baseline"].to_dict() == pytest.approx({name: level - 0.7 for name, level in frr.items()})
     assert table["frr_to_best"].to_dict() == pytest.approx({name: level - 0.9 for name, level in frr.items()})
-    assert standings(synthetic({"rl-a": [0.1], "rl-b": [0.2]}))["frr_to_baseline"].isna().all()
+    assert standings(synthetic({"a": [0.1], "b": [0.2]}, learned=True))["frr_to_baseline"].isna().all()
 
 
 BASELINES = [
-    ("pid-high", "baseline", True),
-    ("pid-high", "", True),
-    ("rl-residual", "baseline", False),
-    ("mine.py:Mine", "baseline", False),
-    ("mine", "submission", False),
-    ("none", "reference", False),
+    ("pid-high", "baseline", False, True),
+    ("pid-high", "", False, True),
+    ("rl-table", "baseline", False, True),
+    ("network", "baseline", True, False),
+    ("mine.py:Mine", "baseline", False, False),
+    ("package.module:Mine", "baseline", False, False),
+    ("mine", "submission", False, False),
+    ("none", "reference", False, False),
 ]
 
 
-@pytest.mark.parametrize(("name", "origin", "expected"), BASELINES)
-def test_what_a_baseline_is(name: str, origin: str, expected: bool) -> None:
-    assert is_baseline(name, origin) is expected
+def test_what_a_baseline_is() -> None:
+    found = [(*case, is_baseline(*case[:2], learned=case[2])) for *case, _ in BASELINES]
+    assert found == BASELINES
 
 
 def test_equal_competitors_share_the_rank() -> None:

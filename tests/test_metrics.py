@@ -105,14 +105,18 @@ CLOSED_FORM: list[tuple[str, float, dict[str, Any]]] = [
     ("frr", 0.75, {"ideal": 1.0, "none": [4.0, 5.0], "theta": [1.75, 2.0]}),
     ("frr", 1 - math.sqrt(10_000 / 20_001 / 2), {"none": 1.0, "theta": columns(TIME > 10.0, 0.0)}),
     ("frr", 0.5, {"theta": 9.0, "tool": line(0.1), "tool_ideal": line(), "tool_none": line(0.0, 0.2), **PATH}),
-    ("rest_error_before_push_ju", 0.003, {**REST, "push": PUSH, "step_time": 12.0}),
-    ("rest_error_ju", 0.007, {**REST, "push": PUSH}),
-    ("rest_error_ju", 0.01, {"theta": 0.01 * np.cos(np.pi * np.arange(len(TIME)))}),
-    ("limit_cycle_amplitude_ju", 0.006, {"theta": columns(0.1 + 0.02 * TIME + 3e-3 * np.sin(3 * TIME), 0), **WINDOW}),
-    ("limit_cycle_amplitude_ju", 1e-3, {"theta": 1e-3 * stick_slip(8.3), **WINDOW}),
-    ("limit_cycle_amplitude_ju", 1e-3, {"theta": RING + 1e-3 * stick_slip(3.0), "ideal": RING, **WINDOW}),
-    ("limit_cycle_amplitude_ju", 0.0, {"theta": 0.01, "ideal": RING, **WINDOW}),
-    ("limit_cycle_amplitude_ju", 0.0, {"theta": RING, "ideal": RING, **WINDOW}),
+    ("steady_state_error_before_push_ju", 0.003, {**REST, "push": PUSH, "step_time": 12.0}),
+    ("steady_state_error_ju", 0.007, {**REST, "push": PUSH}),
+    ("steady_state_error_ju", 0.01, {"theta": 0.01 * np.cos(np.pi * np.arange(len(TIME)))}),
+    (
+        "limit_cycle_peak_to_peak_ju",
+        0.006,
+        {"theta": columns(0.1 + 0.02 * TIME + 3e-3 * np.sin(3 * TIME), 0), **WINDOW},
+    ),
+    ("limit_cycle_peak_to_peak_ju", 1e-3, {"theta": 1e-3 * stick_slip(8.3), **WINDOW}),
+    ("limit_cycle_peak_to_peak_ju", 1e-3, {"theta": RING + 1e-3 * stick_slip(3.0), "ideal": RING, **WINDOW}),
+    ("limit_cycle_peak_to_peak_ju", 0.0, {"theta": 0.01, "ideal": RING, **WINDOW}),
+    ("limit_cycle_peak_to_peak_ju", 0.0, {"theta": RING, "ideal": RING, **WINDOW}),
     ("limit_cycle_period_s", 4.0, {"theta": 1e-3 * columns(RIPPLE + stick_slip(4.0), stick_slip(2.0)), **WINDOW}),
     ("limit_cycle_period_s", 9.5, {"theta": 1e-3 * stick_slip(9.5) + 1e-5 * TIME, **WINDOW}),
     ("limit_cycle_period_s", 1.7, {"theta": np.sin(2 * np.pi * TIME / 1.7) + 0.1 * TIME, **WINDOW}),
@@ -159,13 +163,13 @@ CLOSED_FORM: list[tuple[str, float, dict[str, Any]]] = [
 
 DOES_NOT_APPLY: list[tuple[str, dict[str, Any]]] = [
     ("frr", {"none": 1e-10, "theta": 1.0}),
-    ("rest_error_before_push_ju", {"push": PUSH, "step_time": 12.5}),
-    ("rest_error_before_push_ju", {"push": PUSH, "motion_window": (0.0, 12.5)}),
-    ("rest_error_before_push_ju", {"push": replace(PUSH, time=0.9)}),
-    ("rest_error_before_push_ju", {"push": replace(PUSH, time=30.0)}),
-    ("rest_error_ju", {"step_time": 19.5}),
-    ("rest_error_ju", {"push": replace(PUSH, time=18.6)}),
-    ("limit_cycle_amplitude_ju", {"limit_cycle_window": (10.0, 20.001)}),
+    ("steady_state_error_before_push_ju", {"push": PUSH, "step_time": 12.5}),
+    ("steady_state_error_before_push_ju", {"push": PUSH, "motion_window": (0.0, 12.5)}),
+    ("steady_state_error_before_push_ju", {"push": replace(PUSH, time=0.9)}),
+    ("steady_state_error_before_push_ju", {"push": replace(PUSH, time=30.0)}),
+    ("steady_state_error_ju", {"step_time": 19.5}),
+    ("steady_state_error_ju", {"push": replace(PUSH, time=18.6)}),
+    ("limit_cycle_peak_to_peak_ju", {"limit_cycle_window": (10.0, 20.001)}),
     ("limit_cycle_period_s", {"theta": 0.9e-5 * np.sin(TIME), **WINDOW}),
     ("limit_cycle_period_s", {"theta": 1.0 * (TIME > 15.0), **WINDOW}),
     ("stick_slip_count", WINDOW),
@@ -205,7 +209,7 @@ def test_does_not_apply(name: str, fields: dict[str, Any]) -> None:
 def test_an_episode_at_rest_leaves_everything_empty_that_needs_more() -> None:
     applies = {name for name, value in score(episode()).items() if not math.isnan(value)}
     effort = {"control_effort_ratio", "torque_roughness_ratio"}
-    assert applies == {"rest_error_ju", "joint_rms_error_ju", "observer_work_in_stiction_j"} | effort
+    assert applies == {"steady_state_error_ju", "joint_rms_error_ju", "observer_work_in_stiction_j"} | effort
 
 
 def test_only_the_headline_survives_an_early_end() -> None:

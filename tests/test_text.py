@@ -148,7 +148,7 @@ def test_a_csv_file_is_read_back(episodes: pd.DataFrame) -> None:
     read = read_csv(text)
     assert read["compensator"].tolist() == read["error"].tolist() == lines
     pd.testing.assert_series_equal(read["frr"], episodes["frr"])
-    assert read["rest_error_ju"].isna().all()
+    assert read["steady_state_error_ju"].isna().all()
     assert csv(read) == text
     as_text = read_csv(text, numbers=False)
     assert as_text["compensator"].tolist() == lines

@@ -155,7 +155,7 @@ def test_an_early_end_may_come_at_another_time_where_twins_end_so_too() -> None:
 
 def test_a_column_that_is_missing_is_no_matter_of_tolerance() -> None:
     assert verdict(row() | {"older": "1"}, row(), row()) == MISMATCH
-    assert verdict(row(), row() | {"rest_error_ju": "1"}, row() | {"rest_error_ju": "1"}) == MISMATCH
+    assert verdict(row(), row() | {"steady_state_error_ju": "1"}, row() | {"steady_state_error_ju": "1"}) == MISMATCH
 
 
 # The command

@@ -144,11 +144,11 @@ def test_a_changed_competitor_is_told(folder: Path) -> None:
 @pytest.mark.usefixtures("folder")
 def test_a_column_that_is_not_there_is_a_difference() -> None:
     only("none")
-    change(lambda table: table.drop(columns="rest_error_ju").assign(older="1"))
+    change(lambda table: table.drop(columns="steady_state_error_ju").assign(older="1"))
     result = run("verify", "out")
     assert result.code == 2
     assert "    older: 1 published, no such column now" in result.out
-    assert "    rest_error_ju: no such column published, " in result.out
+    assert "    steady_state_error_ju: no such column published, " in result.out
 
 
 @pytest.mark.usefixtures("folder")

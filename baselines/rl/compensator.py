@@ -29,6 +29,8 @@ class LearnedCompensator(PolicyLoop):
         network: the policy.
     """
 
+    learned = True
+
     def __init__(self, design: Design, network: Network) -> None:
         super().__init__(design)
         self.network = network

@@ -103,8 +103,9 @@ def _page(card: Mapping[str, Any]) -> str:
         "",
         f"* Best of {plan['segments']} segments: number {card['segment']}, after {scores['actions']:.0f} actions. Best "
         f"means the largest mean FRR on {plan['validation_seeds']} validation seeds of the same environment.",
-        f"* There: mean FRR {scores['frr_mean']:.4f}, worst {scores['frr_worst']:.4f}, median error at rest "
-        f"{_shown(scores['rest_error_ju'])}, median limit cycle {_shown(scores['limit_cycle_ju'])} (joint units).",
+        f"* There: mean FRR {scores['frr_mean']:.4f}, worst {scores['frr_worst']:.4f}, median steady-state error "
+        f"{_shown(scores['steady_state_error_ju'])}, median limit cycle "
+        f"{_shown(scores['limit_cycle_peak_to_peak_ju'])} (joint units).",
         f"* Reward: {card['reward']}.",
         "* Versions: " + ", ".join(f"{name} {number}" for name, number in card["versions"].items()) + ".",
         "",

@@ -78,8 +78,8 @@ def _validate(plan: Plan, compensator: LearnedCompensator) -> dict[str, float]:
     return {
         "frr_mean": rows["frr"].mean(),
         "frr_worst": rows["frr"].min(),
-        "rest_error_ju": rows["rest_error_ju"].median(),
-        "limit_cycle_ju": rows["limit_cycle_amplitude_ju"].median(),
+        "steady_state_error_ju": rows["steady_state_error_ju"].median(),
+        "limit_cycle_peak_to_peak_ju": rows["limit_cycle_peak_to_peak_ju"].median(),
     }
 
 

@@ -72,9 +72,9 @@ def run_evaluate(
 
         fo-gym evaluate leaderboard/submissions/theirs.toml
     """
-    from fo_gym.compensators import BUILT_IN
     from fo_gym.evaluation.competitors.entry import check_names, competitor_of, handed_over
     from fo_gym.evaluation.runs.protocol import Protocol
+    from fo_gym.specs import BUILT_IN
 
     check_jobs(jobs)
     if traces and out is None:
@@ -115,10 +115,10 @@ def run_evaluate(
 
 def _run(everybody: Sequence[Competitor], protocol: Protocol, store: Store, jobs: int, *, traced: bool) -> Results:
     """Everybody on the episodes of the protocol; who is not in the store yet meets the first moments before."""
-    from fo_gym.compensators import BUILT_IN
     from fo_gym.evaluation.runs.episodes import EpisodeSet
     from fo_gym.evaluation.runs.meeting import meet
     from fo_gym.evaluation.runs.run import Contest
+    from fo_gym.specs import BUILT_IN
 
     (env,), (variant,) = protocol.environments, protocol.variants
     episodes = EpisodeSet(env, variant, protocol.seeds_of(variant), {}, traced)

@@ -57,8 +57,8 @@ def run_leaderboard(
 
         fo-gym leaderboard --backend ray --address 10.0.0.1:6379
     """
-    from fo_gym.compensators import check_spec
     from fo_gym.evaluation.runs.protocol import load_protocol
+    from fo_gym.specs import check_spec
 
     if quick and protocol is not None:
         raise Stop("--quick and --protocol exclude each other; give one of them")

@@ -96,8 +96,10 @@ def run_tune(
 
 def _default_name(compensator: str) -> str:
     """mine-Mine-tuned of path/mine.py:Mine, pid-tuned of pid-high."""
-    where, _, attribute = compensator.rpartition(":")
-    short = f"{Path(where).stem}-{attribute}" if where.endswith(".py") else compensator
+    from fo_gym.specs import spec_of
+
+    spec = spec_of(compensator)
+    short = f"{Path(spec.where).stem}-{spec.attribute}" if spec.kind == "file" else compensator
     return re.sub(r"\W+", "-", short.removesuffix("-high").removesuffix("-low")).strip("-") + "-tuned"
 
 

@@ -30,9 +30,9 @@ def torques(ticks, dt, push_time, push_duration, push_torque, tau_c, action, lim
         compensates: whether the action is tau_f_hat.
 
     Returns:
-        tau_m, tau_ext: (num_envs, dof) each, N or N m.
+        tau_f_hat (what is compensated; zeros where the action is tau_m), tau_m, tau_ext: (num_envs, dof), N or N m.
     """
-    tau_m, tau_ext = np.empty_like(tau_c), np.zeros_like(tau_c)
+    tau_f_hat, tau_m, tau_ext = np.zeros_like(tau_c), np.empty_like(tau_c), np.zeros_like(tau_c)
     num_envs, dof = tau_c.shape
     for i in range(num_envs):
         since = (ticks[i] + 0.5) * dt - push_time[i]
@@ -43,7 +43,9 @@ def torques(ticks, dt, push_time, push_duration, push_torque, tau_c, action, lim
         for j in range(dof):
             value = min(max(action[i, j], -limit[j]), limit[j])
             tau_m[i, j] = tau_c[i, j] - value if compensates else value
-    return tau_m, tau_ext
+            if compensates:
+                tau_f_hat[i, j] = value
+    return tau_f_hat, tau_m, tau_ext
 
 
 @njit(cache=True, error_model="numpy")

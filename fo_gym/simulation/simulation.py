@@ -98,6 +98,7 @@ class Simulation:
         self.tau_m = np.zeros(shape)
         self.tau_ext = np.zeros(shape)
         self.tau_f = np.zeros(shape)
+        self.tau_f_hat = np.zeros(shape)
         self._pushes = Pushes(num_envs, self.dof)
 
     @property
@@ -134,6 +135,7 @@ class Simulation:
         self.tau_m[ids] = held
         self.tau_ext[ids] = 0.0
         self.tau_f[ids] = 0.0
+        self.tau_f_hat[ids] = 0.0
 
     def _configure(self, i: int, scenario: Scenario) -> None:
         self.scenarios[i] = scenario
@@ -158,7 +160,7 @@ class Simulation:
         reasons: dict[int, str] = {}
         sums = np.zeros((3, self.num_envs, self.dof))
         for _ in range(self.settings.decimation):
-            tau_m, tau_ext = self._torques(action)
+            tau_f_hat, tau_m, tau_ext = self._torques(action)
             before = self.plant.snapshot()
             self.hardware.step(tau_m, tau_ext, self.ticks)
             self.nominal_motor.step(self.tau_c, self.hardware.tau_j, self.hardware.motor_inertia)
@@ -169,6 +171,7 @@ class Simulation:
             self.hardware.look()
             self._update_control()
         self.tau_m, self.tau_ext, self.tau_f = sums / self.settings.decimation
+        self.tau_f_hat = tau_f_hat  # held over the step
         distance = self.control.distance(self.plant, self.task.reward_scale)
         reward = rewards(self.tau_m, previous, self.torque_limit, distance, ROUGHNESS_WEIGHT)
         terminated = np.zeros(self.num_envs, dtype=bool)
@@ -176,10 +179,10 @@ class Simulation:
             terminated[list(reasons)] = True
         return reward, terminated, (self.ticks >= self.last_tick) & ~terminated, reasons
 
-    def _torques(self, action: Array) -> tuple[Array, Array]:
-        """What motors and pushes apply over the coming control period."""
+    def _torques(self, action: Array) -> tuple[Array, Array, Array]:
+        """The estimate that is compensated, and what motors and pushes apply over the coming control period."""
         pushes, settings = self._pushes, self.settings
-        tau_m, tau_ext = torques(
+        tau_f_hat, tau_m, tau_ext = torques(
             self.ticks,
             settings.control_dt,
             pushes.time,
@@ -190,7 +193,7 @@ class Simulation:
             self.torque_limit,
             self._compensates,
         )
-        return self.hardware.command(tau_m), tau_ext
+        return tau_f_hat, self.hardware.command(tau_m), tau_ext
 
     def _find_ends(self, before: Array, reasons: dict[int, str]) -> None:
         """Note environments that left the joint range or the finite numbers; put the latter back to `before`."""
@@ -216,7 +219,8 @@ class Simulation:
         """Privileged truth for scoring and plotting, (num_envs, dof) each.
 
         theta, theta_dot, q, q_dot, z at the new tick; tau_m and tau_ext as applied and tau_f, their means over the past
-        step.
+        step; tau_f_hat, the estimate that the controller subtracted in it: the action, clipped to +-torque_limit, or
+        zeros where the action is tau_m.
         """
         q, q_dot, theta, theta_dot, z = self.plant.snapshot()
         return {
@@ -228,6 +232,7 @@ class Simulation:
             "tau_m": self.tau_m.copy(),
             "tau_ext": self.tau_ext.copy(),
             "tau_f": self.tau_f.copy(),
+            "tau_f_hat": self.tau_f_hat.copy(),
         }
 
     def get_state(self) -> SimulationState:
@@ -243,6 +248,7 @@ class Simulation:
             self.tau_m.copy(),
             self.tau_ext.copy(),
             self.tau_f.copy(),
+            self.tau_f_hat.copy(),
             self.hardware.get_state(),
         )
 
@@ -263,6 +269,7 @@ class Simulation:
         self.control.reset(everyone, state.scenarios)
         self.plant.set_state(state.plant)
         self.tau_f = np.array(state.tau_f, dtype=np.float64)
+        self.tau_f_hat = np.array(state.tau_f_hat, dtype=np.float64)
         self.nominal_motor.reset(everyone, state.theta_n, state.theta_n_dot)
         self.ticks = np.array(state.ticks, dtype=np.int64)
         self.tau_m = np.array(state.tau_m, dtype=np.float64)

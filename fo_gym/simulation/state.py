@@ -82,6 +82,7 @@ class SimulationState:
     tau_m: Array
     tau_ext: Array
     tau_f: Array
+    tau_f_hat: Array
     hardware: HardwareState | None
 
     def check(self, origin: Origin, limits: Limits, last_tick: int) -> None:
@@ -110,7 +111,7 @@ class SimulationState:
                 if (getattr(scenario, part) is not None) != wanted:
                     told = "missing" if wanted else "given"
                     raise ValueError(f"{name}.{part} is {told}; {_SAME}")
-        for field in ("theta_n", "theta_n_dot", "tau_m", "tau_ext", "tau_f"):
+        for field in ("theta_n", "theta_n_dot", "tau_m", "tau_ext", "tau_f", "tau_f_hat"):
             real_array(f"SimulationState.{field}", getattr(self, field), (num_envs, dof))
         whole_array("SimulationState.ticks", self.ticks, (num_envs,), 0, last_tick)
 

@@ -59,7 +59,7 @@ class Step:
 
     def designed_gains(self, robot: Robot) -> PDGains:
         """The robot's own PD gains, or designed ones."""
-        return robot.pd_gains or designed_pd(robot.link_side.model, robot.home, robot.flexible)
+        return robot.pd_gains or designed_pd(robot)
 
     def control(self, robot: Robot, plant: FlexibleJointPlant, gains: Any) -> StepControl:
         """Motor PD towards the target."""

@@ -1,6 +1,9 @@
 """The variants that every environment comes in; a module of its own, since whoever names one needs no simulation."""
 
-VARIANTS = ("nominal", "randomized", "hardware")
+NOMINAL = "nominal"
+"""Without randomness: all seeds give the same episode, so that one is run (see `fo_gym.evaluation.runs.seeds`)."""
+
+VARIANTS = (NOMINAL, "randomized", "hardware")
 """No randomness; episodes drawn from the seed; the same with robots as they are."""
 
-__all__ = ["VARIANTS"]
+__all__ = ["NOMINAL", "VARIANTS"]

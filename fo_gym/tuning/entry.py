@@ -7,14 +7,14 @@ import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from fo_gym.compensators import is_ours
+from fo_gym.specs import is_ours, spec_of
+from fo_gym.tasks.variants import NOMINAL
 from fo_gym.tuning.study import Outcome
 
 OURS, UNNAMED = ("The fo-gym authors",), ("unnamed",)
 
 __all__ = ["authors_of", "entry_text", "spec_beside"]
 
-NOMINAL = "nominal"
 STANDS_FOR_NOMINAL = "randomized"
 """The nominal variant is one episode, which cannot be tuned on: it has the gains of this one."""
 
@@ -26,13 +26,13 @@ def authors_of(spec: str) -> tuple[str, ...]:
 
 def spec_beside(spec: str, folder: Path) -> str:
     """The spec as an entry in that folder has it: a file is named from there."""
-    where, colon, attribute = spec.rpartition(":")
-    if not where.endswith(".py"):
+    named = spec_of(spec)
+    if named.kind != "file":
         return spec
-    file, start = Path(where).resolve(), folder.resolve()
+    file, start = Path(named.where).resolve(), folder.resolve()
     # Windows has no way from one drive to another.
     path = file if file.drive != start.drive else Path(os.path.relpath(file, start))
-    return f"{path.as_posix()}{colon}{attribute}"
+    return named.with_file(path)
 
 
 def entry_text(spec: str, authors: Sequence[str], outcomes: Iterable[Outcome], command: str) -> str:

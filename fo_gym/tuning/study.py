@@ -19,7 +19,7 @@ from fo_gym.evaluation.competitors.competitor import Competitor
 from fo_gym.evaluation.episode.recording import References
 from fo_gym.evaluation.runs.episodes import EpisodeSet, references_of, rows
 from fo_gym.evaluation.runs.seeds import TUNING_SEEDS, VALIDATION_SEEDS, first
-from fo_gym.tasks.variants import VARIANTS
+from fo_gym.tasks.variants import NOMINAL, VARIANTS
 from fo_gym.tuning.space import default_gains, search_space
 
 FINALISTS = 3
@@ -62,7 +62,7 @@ class Case:
         bounds = {"trials": (1, 1_000_000), "episodes": (1, len(TUNING_SEEDS)), "seed": (0, MAX_SEARCH_SEED)}
         for name, (low, high) in {**bounds, "final_episodes": (1, len(VALIDATION_SEEDS))}.items():
             whole_number(name, getattr(self, name), low, high)
-        if self.variant == "nominal":
+        if self.variant == NOMINAL:
             raise ValueError("variant 'nominal' is one episode, the one that is scored; tune on one with draws")
 
     @property

@@ -27,6 +27,7 @@ class TabulatedFriction:
     """
 
     feedback = "nominal"
+    learned = True  # `learn.py` trained it
 
     def __init__(self, table: str | Path = TABLE, L: float = 100.0, Lp: float = 20.0) -> None:
         with np.load(table, allow_pickle=False) as arrays:

@@ -11,10 +11,11 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from fo_gym.compensators import Compensator, is_ours, make_compensator
+from fo_gym.compensators import Compensator, make_compensator
 from fo_gym.evaluation.competitors.content import Content, content_of, digest
 from fo_gym.evaluation.competitors.guard.limits import Limits
 from fo_gym.evaluation.competitors.guard.proxy import Guarded
+from fo_gym.specs import is_ours, spec_of
 
 BASELINE, SUBMISSION, YOURS, REFERENCE = "baseline", "submission", "yours", "reference"
 """Where a competitor comes from: the protocol, the folder of submissions, the user of `fo-gym evaluate` or `sweep`, or
@@ -96,8 +97,8 @@ class Competitor:
         if not self.content.files:
             return ""
         gains = {key: _file_hash(value) for key, value in self.gains_on(env_id, variant).items()}
-        where, colon, attribute = self.spec.rpartition(":")
-        spec = f"{Path(where).name}{colon}{attribute}"
+        named = spec_of(self.spec)
+        spec = named.with_file(Path(Path(named.where).name)) if named.kind == "file" else self.spec
         return digest({"spec": spec, "gains": gains, "files": self.content.files})[:_HASH_LENGTH]
 
 

@@ -22,11 +22,11 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib.machinery import ModuleSpec, PathFinder
-from importlib.metadata import entry_points, packages_distributions, version
+from importlib.metadata import packages_distributions, version
 from pathlib import Path
 from typing import Any
 
-from fo_gym.compensators import BUILT_IN, GROUP
+from fo_gym.specs import plug_in, spec_of
 
 SUITE = ("fo_gym", "envs_assets")
 """Packages that make up the suite itself: they count through `suite`, not as part of a competitor."""
@@ -212,18 +212,25 @@ def content_of(spec: str) -> Content:
     Returns:
         Its files and the versions of the packages that they import; nothing for what cannot be found.
     """
-    registered = {entry.name: entry.value for entry in entry_points(group=GROUP)}
-    where = registered.get(spec, spec).rpartition(":")[0]
-    if spec in BUILT_IN or not where:
+    if module := _module(spec):
+        return _content(_follow([module], _own(module.partition(".")[0])))
+    named = spec_of(spec)
+    if named.kind != "file" or not os.path.isfile(named.where):
         return Content({}, {})
-    if not where.endswith(".py"):
-        return _content(_follow([where], _own(where.partition(".")[0])))
-    path = Path(where)
-    if not os.path.isfile(path):
-        return Content({}, {})
+    path = Path(named.where)
     sources = _follow(_imports(path, ""), _own(""))
     sources.files[path.name] = path
     return _content(sources)
+
+
+def _module(spec: str) -> str:
+    """The module that a registered name or "module:Class" is taken from; "" for others."""
+    try:
+        entry = plug_in(spec)
+    except ValueError:  # two plug-ins of one name, which is said when it is made
+        return ""
+    named = spec_of(spec)
+    return entry.module if entry is not None else named.where if named.kind == "module" else ""
 
 
 @cache

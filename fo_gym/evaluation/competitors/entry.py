@@ -26,9 +26,9 @@ from pathlib import Path
 from typing import Any
 
 from fo_gym.checks import shown
-from fo_gym.compensators import BUILT_IN, is_ours
 from fo_gym.envs.registry import known_environments
 from fo_gym.evaluation.competitors.competitor import BASELINE, REFERENCE, SUBMISSION, YOURS, Competitor, Gains
+from fo_gym.specs import BUILT_IN, is_ours, spec_of
 from fo_gym.tasks.variants import VARIANTS
 from fo_gym.text import one_line
 from fo_gym.toml import read_toml
@@ -66,7 +66,7 @@ def competitor_of(text: str) -> Competitor:
         ValueError: an entry cannot be read or is not allowed.
     """
     shipped = shipped_entries()
-    if text in shipped or text.endswith(".toml"):
+    if text in shipped or spec_of(text).kind == "entry":
         return load_entry(shipped.get(text, Path(text)))
     return Competitor(text, text, REFERENCE if text in BUILT_IN else BASELINE)
 
@@ -177,8 +177,8 @@ def _spec(path: Path, spec: str) -> str:
     """The spec, with a file as seen from here instead of from the entry."""
     if spec in BUILT_IN or not spec:
         raise ValueError(f"entry {path}: spec is {spec!r}; name a compensator of your own, not a reference")
-    where, colon, attribute = spec.rpartition(":")
-    return f"{path.parent / where}{colon}{attribute}" if where.endswith(".py") else spec
+    named = spec_of(spec)
+    return named.with_file(path.parent / named.where) if named.kind == "file" else spec
 
 
 def _gains(path: Path, gains: Mapping[str, Any]) -> Gains:

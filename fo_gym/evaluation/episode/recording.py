@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 
 _TICK_SIGNALS = ("theta_n", "theta_n_dot", "theta_d", "reference")
 _TICK_TRUTH = ("theta", "theta_dot", "q", "q_dot")
-_PERIOD_TRUTH = ("tau_m", "tau_f", "tau_ext")
+_PERIOD_TRUTH = ("tau_f_hat", "tau_m", "tau_f", "tau_ext")
 
 __all__ = ["Motions", "Recording", "References", "record"]
 
@@ -197,7 +197,7 @@ class _Recorder:
         sizes |= dict.fromkeys(_TICK_TRUTH, self.dof)
         self.ticks = {name: np.empty((self.steps + 1, env.num_envs, size)) for name, size in sizes.items()}
         shape = (self.steps, env.num_envs, self.dof)
-        self.periods = {name: np.empty(shape) for name in ("tau_f_hat", *_PERIOD_TRUTH)}
+        self.periods = {name: np.empty(shape) for name in _PERIOD_TRUTH}
         self.scenarios = tuple(self.simulation.scenarios)
         self.alive = np.ones(env.num_envs, dtype=bool)
         self.ended = np.full(env.num_envs, self.steps)
@@ -213,12 +213,10 @@ class _Recorder:
 
     def run(self, compensator: Compensator, name: str) -> Recording:
         """All episodes, tick by tick."""
-        limit = np.asarray(self.simulation.torque_limit)
         for step in range(self.steps):
             start = time.perf_counter()
             estimate = checked_estimate(compensator, name, self.signals, self.alive, step)
             self.seconds[step] = time.perf_counter() - start
-            self.periods["tau_f_hat"][step] = estimate
             obs, _, terminated, _, info = self.env.step(estimate)
             self.signals = Signals.from_observation(obs, self.dof, self.env.available)
             for part in _PERIOD_TRUTH:
@@ -229,10 +227,8 @@ class _Recorder:
                 if not self.alive.any():
                     self.seconds = self.seconds[: step + 1]
                     break
-        # What was applied: the environment clips to the joints' limits.
-        np.clip(self.periods["tau_f_hat"], -limit, limit, out=self.periods["tau_f_hat"])
         self._hold_ends()
-        return self._recording(limit)
+        return self._recording()
 
     def _end(self, tick: int, terminated: NDArray[np.bool_], info: Mapping[str, Any]) -> None:
         for i in np.flatnonzero(terminated & self.alive):
@@ -249,7 +245,7 @@ class _Recorder:
             for array in self.periods.values():
                 array[end:, i] = array[end - 1, i]
 
-    def _recording(self, limit: Array) -> Recording:
+    def _recording(self) -> Recording:
         simulation = self.simulation
         if simulation.task.reference.of_tool:
             body = RigidBody(simulation.robot.link_side, self.steps + 1)
@@ -262,7 +258,7 @@ class _Recorder:
             ticks=self.ticks,
             periods=self.periods,
             scenarios=self.scenarios,
-            torque_limit=limit,
+            torque_limit=np.asarray(simulation.torque_limit),
             terminations=self.terminations,
             ended=self.ended,
             seconds=self.seconds,

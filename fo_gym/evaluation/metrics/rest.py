@@ -13,7 +13,7 @@ from fo_gym.evaluation.metrics.reductions import largest
 from fo_gym.evaluation.metrics.registry import Tolerance, metric
 
 _REST = 1.0
-"""Length of the window for a rest error, s."""
+"""Length of the window for a steady-state error, s."""
 
 _SETTLING_BAND = 0.02
 """Half width of the settling band, as a fraction of the step."""
@@ -37,8 +37,8 @@ _STUCK_FOR = 0.1
 """How long a joint must be below the lower speed to be stuck, s; a joint that only turns around is not."""
 
 
-@metric("rest_error_before_push_ju", unit="ju", better="lower", tolerance=Tolerance(1e-9, 1.5e-4))
-def rest_error_before_push(episode: Episode) -> float:
+@metric("steady_state_error_before_push_ju", unit="ju", better="lower", tolerance=Tolerance(1e-9, 1.5e-4))
+def steady_state_error_before_push(episode: Episode) -> float:
     """Mean |theta - theta_d| over the last second before the push, worst joint.
 
     In m or rad. NaN without a push within the episode, or where the reference has not stood still for that
@@ -47,11 +47,11 @@ def rest_error_before_push(episode: Episode) -> float:
     push = episode.push
     if push is None or push.time > episode.duration:
         return math.nan
-    return _rest_error(episode, push.time)
+    return _steady_state_error(episode, push.time)
 
 
-@metric("rest_error_ju", unit="ju", better="lower", tolerance=Tolerance(1e-7, 4e-4))
-def rest_error(episode: Episode) -> float:
+@metric("steady_state_error_ju", unit="ju", better="lower", tolerance=Tolerance(1e-7, 4e-4))
+def steady_state_error(episode: Episode) -> float:
     """Mean |theta - theta_d| over the last second of the episode, worst joint.
 
     In m or rad. NaN where there was no rest: the reference moved or the push acted within that second, or
@@ -60,10 +60,10 @@ def rest_error(episode: Episode) -> float:
     push = episode.push
     if push is not None and push.time < episode.duration and push.time + push.duration > episode.duration - _REST:
         return math.nan
-    return _rest_error(episode, episode.duration)
+    return _steady_state_error(episode, episode.duration)
 
 
-def _rest_error(episode: Episode, end: float) -> float:
+def _steady_state_error(episode: Episode, end: float) -> float:
     """Mean |theta - theta_d| over the second before `end` (s), worst joint; NaN if the reference moved in it."""
     window = episode.ticks(end - _REST, end)
     moved_until = max(episode.step_time or 0.0, episode.motion_window[1] if episode.motion_window else 0.0)
@@ -72,8 +72,8 @@ def _rest_error(episode: Episode, end: float) -> float:
     return largest(np.mean(np.abs(episode.motion.theta[window] - episode.theta_d[window]), axis=0))
 
 
-@metric("limit_cycle_amplitude_ju", unit="ju", better="lower", tolerance=Tolerance(1e-9, 3e-4))
-def limit_cycle_amplitude(episode: Episode) -> float:
+@metric("limit_cycle_peak_to_peak_ju", unit="ju", better="lower", tolerance=Tolerance(1e-9, 3e-4))
+def limit_cycle_peak_to_peak(episode: Episode) -> float:
     """Peak to peak of the motion in the limit-cycle window that friction adds, without slow creep, worst joint.
 
     In m or rad. Taken per joint from theta - theta_ideal or from theta - theta_d, whichever moves less: a limit
@@ -88,20 +88,20 @@ def limit_cycle_amplitude(episode: Episode) -> float:
 
 @metric("limit_cycle_period_s", unit="s", better="higher", tolerance=Tolerance(1e-3, 0.8))
 def limit_cycle_period(episode: Episode) -> float:
-    """Period of the motion in the limit-cycle window, on the joint with the largest amplitude.
+    """Period of the motion in the limit-cycle window, on the joint where it is largest, peak to peak.
 
     In s: the mean time between two changes to the same side. The joint changes side when it gets into the
     upper or the lower quarter of its peak-to-peak range, coming from the other; slips of half the range
     (stick-slip in pairs) therefore count as one change. Slow cycles show only two changes, there and back, in
-    the window: half a cycle, which is doubled. NaN where the amplitude does not apply or is below 2e-5 m or rad,
+    the window: half a cycle, which is doubled. NaN where the peak to peak does not apply or is below 2e-5 m or rad,
     and with fewer than two changes.
     """
     cycles = _limit_cycles(episode)
     if cycles is None:
         return math.nan
-    amplitudes = np.ptp(cycles, axis=0)
-    joint = int(np.argmax(amplitudes))
-    if amplitudes[joint] < _NO_LIMIT_CYCLE:
+    sizes = np.ptp(cycles, axis=0)
+    joint = int(np.argmax(sizes))
+    if sizes[joint] < _NO_LIMIT_CYCLE:
         return math.nan
     changes = _changes_of_side(cycles[:, joint])
     if len(changes) < 2:

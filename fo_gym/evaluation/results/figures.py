@@ -12,7 +12,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from fo_gym.compensators import BUILT_IN
 from fo_gym.evaluation.competitors.competitor import BASELINE, SUBMISSION, YOURS
 from fo_gym.evaluation.results.leaderboard import leaderboard
 from fo_gym.evaluation.results.style import BLUE, ORANGE, VERMILLION, label
@@ -21,6 +20,8 @@ from fo_gym.evaluation.results.trace_figure import trace_figure
 from fo_gym.evaluation.runs.episodes import SET
 from fo_gym.evaluation.runs.run import Results
 from fo_gym.files import draft_of
+from fo_gym.specs import BUILT_IN
+from fo_gym.tasks.variants import NOMINAL
 
 Array = NDArray[np.float64]
 
@@ -132,7 +133,7 @@ def figures(results: Results, folder: Path, table: pd.DataFrame | None = None) -
     table = leaderboard(results.episodes) if table is None else table
     origins = dict(zip(table["compensator"], table["origin"], strict=True))
     drawn = {"ranking": ranking_figure(table)}
-    nominal = [trace for trace in results.traces if trace.variant == "nominal"]
+    nominal = [trace for trace in results.traces if trace.variant == NOMINAL]
     for env in dict.fromkeys(trace.env for trace in nominal):
         drawn[env] = trace_figure([trace for trace in nominal if trace.env == env], origins)
     paths = []

@@ -11,7 +11,6 @@ import numpy as np
 import pandas as pd
 from scipy.stats import rankdata
 
-from fo_gym.compensators import BUILT_IN
 from fo_gym.evaluation.competitors.competitor import BASELINE
 from fo_gym.evaluation.episode.record import Array
 from fo_gym.evaluation.metrics import METRICS
@@ -26,6 +25,7 @@ from fo_gym.evaluation.results.statistics import (
 )
 from fo_gym.evaluation.runs.episodes import FAILED, KEY, OK, SET, TERMINATED
 from fo_gym.evaluation.runs.provenance import is_provenance
+from fo_gym.specs import BUILT_IN, spec_of
 
 OVERALL = "overall"
 """What stands in the column env where all environments count together."""
@@ -41,17 +41,17 @@ _Row = list[Any]
 __all__ = ["OVERALL", "STANDING", "is_baseline", "leaderboard", "overall", "standings"]
 
 
-def is_baseline(name: str, origin: str) -> bool:
+def is_baseline(name: str, origin: str, *, learned: bool) -> bool:
     """Whether a row is a classical baseline, as the difference to the best baseline means it.
 
     That is a registered compensator that did not learn.
 
     Args:
-        name: of the compensator. "module:Class", files, and "rl-..." (what the names of learned compensators start
-            with) are none.
+        name: of the compensator. "module:Class" and files are none.
         origin: where it comes from; submissions and references are none. "" (outside a protocol) says nothing.
+        learned: whether it says that it learned; such are none.
     """
-    return origin in (BASELINE, "") and not name.startswith("rl-") and not any(mark in name for mark in ":/\\")
+    return origin in (BASELINE, "") and not learned and spec_of(name).kind == "name"
 
 
 def leaderboard(episodes: pd.DataFrame) -> pd.DataFrame:
@@ -164,8 +164,8 @@ def _told(group: pd.DataFrame, more: list[str]) -> dict[str, object]:
 
 def _baselines(rows: pd.DataFrame) -> set[str]:
     """Names of the classical baselines among the competitors of these rows."""
-    origins = rows.drop_duplicates("compensator").set_index("compensator")["origin"]
-    return {str(name) for name, origin in origins.items() if is_baseline(str(name), str(origin))}
+    told = rows.drop_duplicates("compensator")[["compensator", "origin", "learned"]].itertuples(index=False)
+    return {str(name) for name, origin, learned in told if is_baseline(str(name), str(origin), learned=bool(learned))}
 
 
 def _with_standings(table: pd.DataFrame, compared: pd.DataFrame) -> pd.DataFrame:

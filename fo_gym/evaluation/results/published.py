@@ -11,7 +11,6 @@ import numpy as np
 import pandas as pd
 
 from fo_gym.checks import choice, instance, shown
-from fo_gym.compensators import BUILT_IN
 from fo_gym.envs.registry import known_environments
 from fo_gym.evaluation.competitors.competitor import Competitor
 from fo_gym.evaluation.competitors.entry import check_names, competitor_of
@@ -19,6 +18,7 @@ from fo_gym.evaluation.runs.episodes import KEY, SET, EpisodeSet
 from fo_gym.evaluation.runs.protocol import load_protocol, shipped_protocols
 from fo_gym.evaluation.runs.run import Contest
 from fo_gym.files import read_csv
+from fo_gym.specs import BUILT_IN
 from fo_gym.tasks.variants import VARIANTS
 
 _ROW = [*KEY, "seed"]

@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from fo_gym.compensators import BUILT_IN
 from fo_gym.evaluation.competitors.competitor import SUBMISSION, YOURS, Competitor
 from fo_gym.evaluation.results.leaderboard import leaderboard, overall
 from fo_gym.evaluation.runs.episodes import OK, SET
+from fo_gym.specs import BUILT_IN
 from fo_gym.text import MESSAGE_LIMIT, NAME_LIMIT, markdown_code, markdown_table, markdown_text, one_line
 
 MARKS = {SUBMISSION: "†", YOURS: "*"}
@@ -18,8 +18,8 @@ MARKS = {SUBMISSION: "†", YOURS: "*"}
 
 # Beside frr: column, heading, and the factor from the column's unit to the heading's.
 _SHOWN = (
-    ("rest_error_ju", "rest error [m{unit}]", 1e3),
-    ("limit_cycle_amplitude_ju", "limit cycle [m{unit}]", 1e3),
+    ("steady_state_error_ju", "steady-state error [m{unit}]", 1e3),
+    ("limit_cycle_peak_to_peak_ju", "limit cycle [m{unit}]", 1e3),
     ("tool_rms_error_mm", "tool RMS [mm]", 1.0),
     ("contour_error_mm", "contour RMS [mm]", 1.0),
     ("estimate_lag_ms", "lag [ms]", 1.0),

@@ -9,11 +9,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fo_gym.compensators import BUILT_IN
 from fo_gym.evaluation.competitors.competitor import YOURS
 from fo_gym.evaluation.episode.trace import Trace
 from fo_gym.evaluation.results.style import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, label
 from fo_gym.evaluation.results.tables import marked
+from fo_gym.specs import BUILT_IN
 
 _MILLI = 1e3
 _JOINT = 1

@@ -52,9 +52,9 @@ def references_of(episodes: EpisodeSet) -> tuple[Recording, Recording]:
 
 
 def rows(
-    episodes: EpisodeSet, name: str, recording: Recording, references: References, protocol: str = ""
+    episodes: EpisodeSet, name: str, recording: Recording, references: References, *, learned: bool = False
 ) -> pd.DataFrame:
-    """The scores of a recording, one row per episode; `origin` and `competitor_hash` are "" in it."""
+    """The scores of a recording, one row per episode; `origin`, `competitor_hash` and `protocol` are "" in it."""
     table = []
     for i, seed in enumerate(episodes.seeds):
         episode = recording.episode(i, references)
@@ -70,7 +70,7 @@ def rows(
                 "error": error,
                 **score(episode),
                 "joint_unit": episode.joint_unit,
-                **provenance(protocol),
+                **provenance(learned=learned),
             }
         )
     return pd.DataFrame(table)

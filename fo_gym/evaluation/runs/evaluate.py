@@ -11,11 +11,11 @@ import numpy as np
 import pandas as pd
 
 from fo_gym.checks import choice, only, shown, text, whole_number
-from fo_gym.compensators import Compensator, handed
+from fo_gym.compensators import Compensator, handed, has_learned
 from fo_gym.evaluation.competitors.entry import competitor_of
 from fo_gym.evaluation.episode.recording import References
 from fo_gym.evaluation.runs.episodes import EpisodeSet, references_of, rows
-from fo_gym.evaluation.runs.seeds import VALIDATION_SEEDS, first
+from fo_gym.evaluation.runs.seeds import VALIDATION_SEEDS, seeds_for
 from fo_gym.generators import seed_number
 from fo_gym.simulation.settings import Settings
 from fo_gym.tasks.variants import VARIANTS
@@ -24,14 +24,13 @@ __all__ = ["check_arguments", "evaluate", "evaluation_seeds"]
 
 
 def evaluation_seeds(variant: str, seeds: int | Sequence[int]) -> tuple[int, ...]:
-    """The seeds that are meant: n means the first n validation seeds; "nominal" has no randomness and runs once."""
+    """The seeds that are meant: n means `seeds_for` the variant, of the validation seeds."""
     if isinstance(seeds, Sequence | np.ndarray) and not isinstance(seeds, str | bytes) and np.ndim(seeds) == 1:
         given = tuple(seed_number(f"seeds[{i}]", seed) for i, seed in enumerate(seeds))
         if not given or len(set(given)) < len(given):
             raise ValueError(f"seeds are {shown(seeds)}; give one or more of them, each once")
         return given
-    chosen = first(VALIDATION_SEEDS, whole_number("seeds", seeds, 1, len(VALIDATION_SEEDS)))
-    return chosen[:1] if variant == "nominal" else chosen
+    return seeds_for(variant, VALIDATION_SEEDS, whole_number("seeds", seeds, 1, len(VALIDATION_SEEDS)))
 
 
 def check_arguments(env_id: Any, variant: Any, env_kwargs: Mapping[str, Any]) -> None:
@@ -80,7 +79,8 @@ def evaluate(
         episodes = EpisodeSet(env_id, variant, evaluation_seeds(variant, seeds), env_kwargs)
         recording = episodes.record(instance, name)  # first: what cannot run says so at once
     none, ideal = references_of(episodes)
-    table = rows(episodes, name, recording, References(ideal.motions, none.motions))
+    references = References(ideal.motions, none.motions)
+    table = rows(episodes, name, recording, references, learned=has_learned(instance))
     return table.assign(competitor_hash=content)
 
 

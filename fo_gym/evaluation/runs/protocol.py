@@ -11,7 +11,7 @@ from pathlib import Path
 
 from fo_gym.checks import choice, shown, text
 from fo_gym.envs.registry import known_environments
-from fo_gym.evaluation.runs.seeds import LEADERBOARD_SEEDS, VALIDATION_SEEDS, first
+from fo_gym.evaluation.runs.seeds import LEADERBOARD_SEEDS, VALIDATION_SEEDS, first, seeds_for
 from fo_gym.tasks.variants import VARIANTS
 from fo_gym.toml import read_toml
 
@@ -27,7 +27,7 @@ class Protocol:
     Attributes:
         name: what to call it.
         split: "leaderboard" or "validation", whose seeds are used.
-        seeds: episodes of each variant with randomness; "nominal" has none and is one episode.
+        seeds: episodes of each variant; of one without randomness a single one is run (`seeds_for`).
         environments: registered ids.
         variants: variants of each.
         compensators: registered names, "module:Class", "file.py:Class", or entries: the name of a shipped one, or
@@ -68,7 +68,7 @@ class Protocol:
 
     def seeds_of(self, variant: str) -> tuple[int, ...]:
         """The seeds that a variant runs."""
-        return first(SPLITS[self.split], 1 if variant == "nominal" else self.seeds)
+        return seeds_for(variant, SPLITS[self.split], self.seeds)
 
     @property
     def stamp(self) -> str:

@@ -10,7 +10,7 @@ from fo_gym.evaluation.runs.processor import processor
 
 PACKAGES = ("fo-gym", "gymnasium", "mujoco", "numba", "numpy", "scipy")
 
-_COLUMNS = ("origin", "competitor_hash", "protocol", "processor")
+_COLUMNS = ("origin", "learned", "competitor_hash", "protocol", "processor")
 
 __all__ = ["PACKAGES", "is_provenance", "provenance", "versions"]
 
@@ -22,7 +22,9 @@ def versions() -> dict[str, str]:
     return packages | {"version_python": platform.python_version()}
 
 
-def provenance(protocol: str = "", origin: str = "", competitor_hash: str = "") -> dict[str, str]:
+def provenance(
+    protocol: str = "", origin: str = "", competitor_hash: str = "", *, learned: bool = False
+) -> dict[str, str | bool]:
     """What a row says about how it came about.
 
     Args:
@@ -31,11 +33,17 @@ def provenance(protocol: str = "", origin: str = "", competitor_hash: str = "") 
             `fo-gym evaluate` or a sweep), "reference" (`none` and `ideal`), or "" outside a protocol.
         competitor_hash: of the competitor's source, weights and gains; "" for the references, and for a class or an
             instance.
+        learned: whether the competitor says that data trained it; False where it could not be made.
 
     Returns:
-        Columns `origin`, `competitor_hash`, `protocol`, `processor` (see `processor`) and `version_*`.
+        Columns `origin`, `learned`, `competitor_hash`, `protocol`, `processor` (see `processor`) and `version_*`.
     """
-    made_by = {"origin": origin, "competitor_hash": competitor_hash, "protocol": protocol}
+    made_by: dict[str, str | bool] = {
+        "origin": origin,
+        "learned": learned,
+        "competitor_hash": competitor_hash,
+        "protocol": protocol,
+    }
     return {**made_by, "processor": processor(), **versions()}
 
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 
 import pandas as pd
 
-from fo_gym.compensators import BUILT_IN
 from fo_gym.evaluation.competitors.competitor import Competitor
 from fo_gym.evaluation.competitors.entry import check_names, competitor_of
 from fo_gym.evaluation.episode.recording import References
@@ -17,6 +16,7 @@ from fo_gym.evaluation.runs.episodes import EpisodeSet
 from fo_gym.evaluation.runs.protocol import Protocol
 from fo_gym.evaluation.runs.store import Store
 from fo_gym.evaluation.runs.trial import IDEAL, NONE, Trial, failed_trial, reference_trials, trials_together
+from fo_gym.specs import BUILT_IN
 
 OnRun = Callable[[str], None]
 """Called with a label after every run, `none` and `ideal` counted as one."""

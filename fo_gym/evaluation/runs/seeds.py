@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fo_gym.checks import shown
+from fo_gym.tasks.variants import NOMINAL
 
 # Small numbers are what everybody types: they are for training.
 TRAINING_SEEDS = range(1_000_000_000)
@@ -10,7 +11,7 @@ VALIDATION_SEEDS = range(1_000_000_000, 1_000_001_000)
 TUNING_SEEDS = range(1_500_000_000, 1_500_001_000)
 LEADERBOARD_SEEDS = range(2_000_000_000, 2_000_001_000)
 
-__all__ = ["LEADERBOARD_SEEDS", "TRAINING_SEEDS", "TUNING_SEEDS", "VALIDATION_SEEDS", "first"]
+__all__ = ["LEADERBOARD_SEEDS", "TRAINING_SEEDS", "TUNING_SEEDS", "VALIDATION_SEEDS", "first", "seeds_for"]
 
 
 def first(seeds: range, count: int) -> tuple[int, ...]:
@@ -22,3 +23,13 @@ def first(seeds: range, count: int) -> tuple[int, ...]:
     if not 1 <= count <= len(seeds):
         raise ValueError(f"{shown(count)} seeds were asked for; give a number from 1 to {len(seeds)}")
     return tuple(seeds[:count])
+
+
+def seeds_for(variant: str, seeds: range, count: int) -> tuple[int, ...]:
+    """The seeds that a variant runs: the first `count`, or a single one where all episodes are the same.
+
+    Raises:
+        ValueError: `count` is below 1 or above the number of seeds.
+    """
+    chosen = first(seeds, count)
+    return chosen[:1] if variant == NOMINAL else chosen

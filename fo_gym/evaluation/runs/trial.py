@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from fo_gym.compensators import Compensator
+from fo_gym.compensators import Compensator, has_learned
 from fo_gym.evaluation.competitors.competitor import REFERENCE, Competitor
 from fo_gym.evaluation.competitors.team import Team, by_feedback
 from fo_gym.evaluation.episode.recording import Recording, References
 from fo_gym.evaluation.episode.trace import Trace, traces_of
 from fo_gym.evaluation.runs.episodes import FAILED, EpisodeSet, failed_rows, references_of, rows
+from fo_gym.tasks.variants import NOMINAL
 
 NONE = Competitor("none", "none", REFERENCE)
 IDEAL = Competitor("ideal", "ideal", REFERENCE)
@@ -65,9 +66,11 @@ def _timing(episodes: EpisodeSet, name: str, recording: Recording) -> dict[str, 
     }
 
 
-def _trial(episodes: EpisodeSet, name: str, recording: Recording, references: References) -> Trial:
-    scores = rows(episodes, name, recording, references)
-    kept = episodes.traced or episodes.variant == "nominal"
+def _trial(
+    episodes: EpisodeSet, name: str, recording: Recording, references: References, *, learned: bool = False
+) -> Trial:
+    scores = rows(episodes, name, recording, references, learned=learned)
+    kept = episodes.traced or episodes.variant == NOMINAL
     traces = traces_of(name, scores, recording, references) if kept else ()
     return Trial(scores, _timing(episodes, name, recording), traces)
 
@@ -87,10 +90,10 @@ def competitor_trial(episodes: EpisodeSet, competitor: Competitor, references: R
     """One competitor on one set of episodes. Whatever goes wrong in it becomes its failed rows."""
     try:
         with competitor.playing(episodes.env_id, episodes.variant) as compensator:
-            recording = episodes.record(compensator, competitor.name)
+            recording, learned = episodes.record(compensator, competitor.name), has_learned(compensator)
     except (Exception, SystemExit) as error:
         return failed_trial(episodes, competitor, f"{type(error).__name__}: {error}")
-    return _trial(episodes, competitor.name, recording, references)
+    return _trial(episodes, competitor.name, recording, references, learned=learned)
 
 
 def trials_together(episodes: EpisodeSet, competitors: Sequence[Competitor], references: References) -> list[Trial]:
@@ -113,7 +116,8 @@ def trials_together(episodes: EpisodeSet, competitors: Sequence[Competitor], ref
             recording = replace(episodes, seeds=episodes.seeds * len(places)).record(team, "team")
             for member, place in enumerate(places):
                 own = recording.part(team.rows(member))
-                trials[place] = _trial(episodes, competitors[place].name, own, references)
+                learned = has_learned(made[place])
+                trials[place] = _trial(episodes, competitors[place].name, own, references, learned=learned)
     alone = (place for place in range(len(competitors)) if place not in trials)
     trials |= {place: competitor_trial(episodes, competitors[place], references) for place in alone}
     return [trials[place] for place in range(len(competitors))]

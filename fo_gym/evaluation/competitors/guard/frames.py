@@ -6,6 +6,8 @@ import os
 import traceback
 from pathlib import Path
 
+from fo_gym.specs import spec_of
+
 _SUITE = Path(__file__).parents[3]
 
 __all__ = ["place_of", "traceback_of"]
@@ -13,8 +15,8 @@ __all__ = ["place_of", "traceback_of"]
 
 def _frames(error: BaseException, spec: str) -> list[traceback.FrameSummary]:
     """The frames of the competitor's code: in its folder, neither of the suite nor of installed packages."""
-    file = spec.rpartition(":")[0]
-    home = os.path.dirname(os.path.abspath(file)) if file.endswith(".py") else os.sep
+    file = spec_of(spec)
+    home = os.path.dirname(os.path.abspath(file.where)) if file.kind == "file" else os.sep
     found = []
     for frame in traceback.extract_tb(error.__traceback__):
         path = Path(frame.filename)

@@ -72,7 +72,7 @@ class Guarded:
         limits: what it may use.
 
     Attributes:
-        feedback: "measured" or "nominal", as it was when the competitor was made.
+        feedback, learned: what the competitor said of itself when it was made.
 
     Raises:
         ValueError, TypeError, CompensatorError: as `make_compensator` does, and CompensatorError beyond a limit.
@@ -89,12 +89,15 @@ class Guarded:
         paths = {"readable": readable(spec, gains), "scratch": self._process.scratch}
         try:
             _, missing = self._ask(CONFINE, {**paths, "limits": asdict(limits), "parent": os.getpid()}, "making")
-            _, self.feedback = self._ask(MAKE, {"spec": spec, "gains": dict(gains)}, "making")
+            _, told = self._ask(MAKE, {"spec": spec, "gains": dict(gains)}, "making")
         except RaisedError as error:
             mistake = _MISTAKES.get(error.kind, CompensatorError)(str(error))
             raise with_trace(mistake, trace_of(error)) from None
         except EndedError as error:
             raise CompensatorError(f"compensator {spec!r}: making it: {error}") from None
+        words = told if isinstance(told, dict) else {}
+        self.feedback: str = words.get("feedback", "")
+        self.learned: bool = words.get("learned", False)
         if missing:
             warnings.warn(f"this system guards against competitors without: {', '.join(missing)}", stacklevel=2)
         try:

@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from fo_gym.specs import spec_of
+
 _SYSTEM = (
     *("/usr", "/lib", "/lib32", "/lib64", "/bin", "/nix/store", "/sys/devices/system"),
     *("/proc/self", "/proc/cpuinfo", "/proc/meminfo", "/proc/stat"),
@@ -26,8 +28,8 @@ def readable(spec: str, gains: Mapping[str, Any]) -> list[str]:
         spec: as `make_compensator` takes it.
         gains: keyword arguments of the compensator.
     """
-    file = Path(spec.rpartition(":")[0])
-    own = [str(file.parent)] if file.suffix == ".py" else []
+    file = spec_of(spec)
+    own = [str(Path(file.where).parent)] if file.kind == "file" else []
     named = [value for value in gains.values() if isinstance(value, str) and os.path.isfile(value)]
     pythons = {sys.prefix, sys.base_prefix, sys.exec_prefix, sys.base_exec_prefix}
     libraries = [path for path in os.environ.get("LD_LIBRARY_PATH", "").split(":") if path]

@@ -86,7 +86,7 @@ def serve(channel: Channel, memory: int) -> None:
         _, job = channel.receive()
         spec = job["spec"]
         compensator = compensators.make_compensator(spec, **job["gains"])
-        channel.send(DONE, compensator.feedback)
+        channel.send(DONE, {"feedback": compensator.feedback, "learned": compensators.has_learned(compensator)})
         _Server(channel, memory, compensator).run()
     except EOFError:
         os._exit(0)
