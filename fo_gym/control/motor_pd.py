@@ -22,7 +22,8 @@ class MotorPD:
         """Control torque tau_c, N or N m.
 
         Args:
-            theta, theta_dot: measured or nominal motor, (num_envs, dof), m and m/s | rad and rad/s.
+            theta, theta_dot: measured or nominal motor, (num_envs, dof), m and m/s | rad and rad/s; where the reference
+                moves, theta_dot is relative to it.
             theta_d: desired motor position, (num_envs, dof), m | rad.
             gravity: g(q_d), (num_envs, dof), N or N m.
         """

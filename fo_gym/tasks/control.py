@@ -14,7 +14,7 @@ from fo_gym.tasks.scenario import Scenario
 Array = NDArray[np.float64]
 Ids = NDArray[np.intp]
 
-__all__ = ["TaskControl", "believed"]
+__all__ = ["PathStatics", "TaskControl", "believed", "joint_distance"]
 
 
 class TaskControl(Protocol):
@@ -55,3 +55,44 @@ def believed(scenarios: Sequence[Scenario]) -> tuple[Array, Array]:
     """What the controller knows: factor on the true masses (n, 1), and K_j (n, dof)."""
     mass = np.array([[scenario.believed_mass] for scenario in scenarios])
     return mass, np.array([scenario.believed.stiffness for scenario in scenarios])
+
+
+def joint_distance(plant: FlexibleJointPlant, theta_d: Array, scale: Any) -> Array:
+    """Root mean square of (theta - theta_d) / scale over the joints, (num_envs,)."""
+    error = (plant.theta - theta_d) / scale
+    return np.sqrt(np.add.reduce(error * error, axis=1) / error.shape[1])
+
+
+class PathStatics:
+    """Where the motors should be on a tabulated path, theta_d = q_d + K_j^-1 g(q_d), with what the controller knows.
+
+    Args:
+        plant: the batch.
+        q_d: desired links at every tick, (ticks, dof), m | rad; the last row holds for ever.
+        gravity: g(q_d) with the masses of the file, (ticks, dof), N | N m.
+
+    Attributes:
+        row: of the table, at the current ticks, (num_envs,).
+        theta_d: desired motors, (num_envs, dof), m | rad.
+        mass, stiffness: factor on the true masses (num_envs, 1), and K_j (num_envs, dof), as the controller knows them.
+        gravity: g(q_d) with the masses of each episode, (num_envs, dof), N | N m.
+    """
+
+    def __init__(self, plant: FlexibleJointPlant, q_d: Array, gravity: Array) -> None:
+        self._q_d, self._gravity = q_d, gravity
+        self._mass_scale = np.ones((plant.num_envs, 1))
+        self.mass = np.ones((plant.num_envs, 1))
+        self.stiffness = plant.stiffness.copy()
+        self.update(np.zeros(plant.num_envs, dtype=np.int64))
+
+    def reset(self, ids: Ids, scenarios: Sequence[Scenario]) -> None:
+        """Take the scenarios of new episodes."""
+        self.mass[ids], self.stiffness[ids] = believed(scenarios)
+        self._mass_scale[ids, 0] = [scenario.mass_scale for scenario in scenarios]
+        self._mass_scale[ids] *= self.mass[ids]
+
+    def update(self, ticks: NDArray[np.int64]) -> None:
+        """Move to these control ticks, (num_envs,)."""
+        self.row = np.minimum(ticks, len(self._q_d) - 1)
+        self.gravity = self._gravity[self.row] * self._mass_scale
+        self.theta_d = self._q_d[self.row] + self.gravity / self.stiffness

@@ -15,12 +15,12 @@ from fo_gym.robots.poses import tool_rows
 Array = NDArray[np.float64]
 
 MAX_ROWS = 100_000
-"""Ticks of a path at most: its inverse kinematics is solved for all of them at once."""
+"""Ticks of a path at most: it is tabulated, and a tool's inverse kinematics is solved for all of them at once."""
 
 MAX_RESIDUAL = 1e-9
 """By how much the inverse kinematics may miss the path at most [m | rad]."""
 
-__all__ = ["Path", "PathTable", "ToolKinematics", "path_table"]
+__all__ = ["Path", "PathTable", "ToolKinematics", "path_table", "path_ticks"]
 
 
 class Path(Protocol):
@@ -129,6 +129,20 @@ class ToolKinematics:
         return q, np.abs(residual).max(axis=1)
 
 
+def path_ticks(duration: float, dt: float) -> int:
+    """Ticks of a path, its two ends included.
+
+    Raises:
+        ValueError: there are more than MAX_ROWS.
+    """
+    if duration / dt > MAX_ROWS:
+        raise ValueError(
+            f"control_dt is {dt:g} s, too short for a path of {duration:g} s: its table has at most {MAX_ROWS} "
+            f"rows; give a control_dt of at least {duration / MAX_ROWS:g} s"
+        )
+    return round(duration / dt) + 1
+
+
 def path_table(robot: LinkSide, path: Path, q_start: Array, dt: float, redundant: Sequence[str]) -> PathTable:
     """Tabulate `path` from the tool pose at q_start, with a tick every dt seconds.
 
@@ -142,12 +156,7 @@ def path_table(robot: LinkSide, path: Path, q_start: Array, dt: float, redundant
     Raises:
         ValueError: the robot suits no tool path, the path leaves its reach, or has more than MAX_ROWS ticks.
     """
-    if path.duration / dt > MAX_ROWS:
-        raise ValueError(
-            f"control_dt is {dt:g} s, too short for a path of {path.duration:g} s: its table has at most {MAX_ROWS} "
-            f"rows; give a control_dt of at least {path.duration / MAX_ROWS:g} s"
-        )
-    ticks = round(path.duration / dt) + 1
+    ticks = path_ticks(path.duration, dt)
     offset, velocity = path.at(np.arange(ticks, dtype=np.float64) * dt)
     tool = ToolKinematics(robot, q_start, redundant, ticks)
     q_d, off = tool.follow(offset)

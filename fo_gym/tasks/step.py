@@ -15,7 +15,7 @@ from fo_gym.control.motor_pd import MotorPD
 from fo_gym.parameters import PDGains, Value, check_joints
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.robots import Robot
-from fo_gym.tasks.control import believed
+from fo_gym.tasks.control import believed, joint_distance
 from fo_gym.tasks.scenario import Scenario
 
 Array = NDArray[np.float64]
@@ -112,8 +112,7 @@ class StepControl:
 
     def distance(self, plant: FlexibleJointPlant, scale: Any) -> Array:
         """See TaskControl."""
-        error = (plant.theta - self.theta_d) / scale
-        return np.sqrt(np.add.reduce(error * error, axis=1) / error.shape[1])
+        return joint_distance(plant, self.theta_d, scale)
 
     def desired_links(self, i: int) -> Array:
         """See TaskControl."""

@@ -17,7 +17,7 @@ from fo_gym.parameters import ImpedanceGains
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.robots import LinkSide, Robot
 from fo_gym.robots.poses import tool_rows
-from fo_gym.tasks.control import believed
+from fo_gym.tasks.control import PathStatics
 from fo_gym.tasks.kinematics import PathTable, path_table
 from fo_gym.tasks.scenario import Scenario
 from fo_gym.tasks.square_fit import fitted_square
@@ -121,32 +121,26 @@ class ToolPathControl:
         self.table = _cached_table(robot.link_side, path, home, plant.control_dt, robot.redundant)
         held = [robot.joints.index(name) for name in robot.redundant]
         self._law = Impedance(gains, plant.body, held, oriented=tool_rows(robot.dof) == 6)
-        self._mass_scale = np.ones((plant.num_envs, 1))
-        self._mass = np.ones((plant.num_envs, 1))
-        self._stiffness = plant.stiffness.copy()
-        self._row = np.zeros(plant.num_envs, dtype=np.int64)
+        self._statics = PathStatics(plant, self.table.q_d, self.table.gravity)
         self.theta_d = np.zeros((plant.num_envs, robot.dof))
         self.reference = np.zeros((plant.num_envs, 3))
         self.path: Array | None = self.table.position
 
     def reset(self, ids: Ids, scenarios: Sequence[Scenario]) -> None:
         """See TaskControl."""
-        self._mass[ids], self._stiffness[ids] = believed(scenarios)
-        self._mass_scale[ids, 0] = [scenario.mass_scale for scenario in scenarios]
-        self._mass_scale[ids] *= self._mass[ids]
+        self._statics.reset(ids, scenarios)
 
     def update(self, ticks: NDArray[np.int64]) -> None:
         """See TaskControl."""
-        self._row = np.minimum(ticks, len(self.table.q_d) - 1)
-        gravity = self.table.gravity[self._row] * self._mass_scale
-        self.theta_d = self.table.q_d[self._row] + gravity / self._stiffness
-        self.reference = self.table.position[self._row]
+        self._statics.update(ticks)
+        self.theta_d = self._statics.theta_d
+        self.reference = self.table.position[self._statics.row]
 
     def torque(self, theta: Array, theta_dot: Array) -> Array:
         """See TaskControl."""
-        table = self.table
-        setpoint = TaskSetpoint(self.reference, table.velocity[self._row], table.rotation, table.held)
-        return self._law.torque(theta, theta_dot, self._stiffness, self._mass, setpoint)
+        table, statics = self.table, self._statics
+        setpoint = TaskSetpoint(self.reference, table.velocity[statics.row], table.rotation, table.held)
+        return self._law.torque(theta, theta_dot, statics.stiffness, statics.mass, setpoint)
 
     def distance(self, plant: FlexibleJointPlant, scale: Any) -> Array:
         """See TaskControl."""
