@@ -1,6 +1,6 @@
 """fo-gym: the benchmark for friction compensation on flexible robot joints.
 
-Importing this package registers FJRStiction-v0, FJRRegulation-v0 and FJRSquare-v0 with Gymnasium. What needs MuJoCo,
+Importing this package registers the environments with Gymnasium. What needs MuJoCo,
 Numba or pandas is imported when it is first used.
 """
 
@@ -25,25 +25,45 @@ __all__ = [
     "Hardware",
     "ImpedanceGains",
     "JointInfo",
+    "JointPath",
     "LuGre",
     "PDGains",
+    "Push",
     "Randomization",
+    "Robot",
     "SensorModel",
     "Settings",
     "Signals",
+    "Step",
+    "Task",
+    "ToolPath",
     "evaluate",
     "list_compensators",
     "make_compensator",
+    "register",
     "sweep",
 ]
 
 if TYPE_CHECKING:
+    from fo_gym.envs.registration import register
     from fo_gym.evaluation.results.sweep import sweep
     from fo_gym.evaluation.runs.evaluate import evaluate
+    from fo_gym.robots import Robot
     from fo_gym.simulation.settings import Settings
-    from fo_gym.tasks.task import Randomization
+    from fo_gym.tasks.joint_path import JointPath
+    from fo_gym.tasks.scenario import Push
+    from fo_gym.tasks.step import Step
+    from fo_gym.tasks.task import Randomization, Task
+    from fo_gym.tasks.tool_path import ToolPath
 else:
     _LATER = {
+        "JointPath": "fo_gym.tasks.joint_path",
+        "Push": "fo_gym.tasks.scenario",
+        "Robot": "fo_gym.robots",
+        "Step": "fo_gym.tasks.step",
+        "Task": "fo_gym.tasks.task",
+        "ToolPath": "fo_gym.tasks.tool_path",
+        "register": "fo_gym.envs.registration",
         "Randomization": "fo_gym.tasks.task",
         "Settings": "fo_gym.simulation.settings",
         "evaluate": "fo_gym.evaluation.runs.evaluate",

@@ -1,12 +1,40 @@
-"""The environments there are: one row each, which names it, says what it is for, and registers it with Gymnasium."""
+"""The environments there are: one row each, which names it, says what it is for, and registers it with Gymnasium.
+
+Those of others are named "module:ID" or "file.py:ID", the module or file being what calls `fo_gym.register`, or by
+their id alone, where an installed package names such a module under the entry points `fo_gym.environments`.
+"""
 
 from __future__ import annotations
 
+import hashlib
+import importlib
+import importlib.util
+import os
+import sys
 from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Any
 
-from gymnasium.envs.registration import register
+import gymnasium as gym
 
-__all__ = ["ENVIRONMENTS", "Environment", "known_environments"]
+from fo_gym.checks import shown, text
+
+GROUP = "fo_gym.environments"
+"""Entry points of modules that register environments when they are imported."""
+
+__all__ = [
+    "ENVIRONMENTS",
+    "GROUP",
+    "Environment",
+    "add",
+    "environment_of",
+    "import_sources",
+    "known_environments",
+    "sources",
+    "tagged",
+]
 
 
 @dataclass(frozen=True)
@@ -16,28 +44,117 @@ class Environment:
     Attributes:
         id: by which `gymnasium.make` finds it.
         entry_point: "module:Name", where NameEnv is the single and NameVectorEnv the batched environment.
-        tags: what it is, for whoever picks some of them: "link" | "arm", and "step" | "path".
+        tags: what it is, for whoever picks some of them: "link" | "arm" (takes any robot), "step" | "path" | "square",
+            and "own" of one that `register` made.
+        robot: its own robot, as `Settings.robot` takes it.
+        task: what `register` was given; None of the project's own, whose class names it.
+        source: module or file that registered it, to be imported where it is not known; "" of the project's own.
     """
 
     id: str
     entry_point: str
     tags: frozenset[str]
+    robot: Any
+    task: Any = None
+    source: str = ""
 
 
-_ROWS = (
-    Environment("FJRStiction-v0", "fo_gym.envs.stiction:Stiction", frozenset({"link", "step"})),
-    Environment("FJRRegulation-v0", "fo_gym.envs.regulation:Regulation", frozenset({"arm", "step"})),
-    Environment("FJRSquare-v0", "fo_gym.envs.square:Square", frozenset({"arm", "path"})),
-)
-
-ENVIRONMENTS = {row.id: row for row in _ROWS}
+ENVIRONMENTS: dict[str, Environment] = {}
 """Every environment by its id."""
 
-for _row in _ROWS:
+
+def add(row: Environment) -> None:
+    """Register an environment, here and with Gymnasium; one of the same id makes way."""
+    gym.registry.pop(row.id, None)
     # The environments truncate themselves at `duration`, so that `decimation` does not stretch time.
-    register(_row.id, entry_point=f"{_row.entry_point}Env", vector_entry_point=f"{_row.entry_point}VectorEnv")
+    gym.register(
+        row.id,
+        entry_point=f"{row.entry_point}Env",
+        vector_entry_point=f"{row.entry_point}VectorEnv",
+        kwargs={} if row.task is None else {"robot": row.robot, "task": row.task},
+    )
+    ENVIRONMENTS[row.id] = row
+
+
+for _id, _name, _tags, _robot in (
+    ("FJRStiction-v0", "stiction:Stiction", {"link", "step"}, "single_link"),
+    ("FJRRegulation-v0", "regulation:Regulation", {"arm", "step"}, "miro_like"),
+    ("FJRSquare-v0", "square:Square", {"arm", "square"}, "miro_like"),
+    ("FJRTracking-v0", "tracking:Tracking", {"arm", "path"}, "miro_like"),
+):
+    add(Environment(_id, f"fo_gym.envs.{_name}", frozenset(_tags), _robot))
+
+
+@cache
+def _import_plug_ins() -> None:
+    """Import the modules that installed packages name, once."""
+    for entry in sorted(entry_points(group=GROUP), key=lambda entry: entry.name):
+        entry.load()
 
 
 def known_environments() -> tuple[str, ...]:
-    """The environments that can be scored, by their ids."""
+    """The environments that can be scored, by their ids, those of installed packages included."""
+    _import_plug_ins()
     return tuple(ENVIRONMENTS)
+
+
+def tagged(tag: str) -> tuple[str, ...]:
+    """Ids of the environments with a tag."""
+    return tuple(env_id for env_id, row in ENVIRONMENTS.items() if tag in row.tags)
+
+
+def environment_of(name: str) -> Environment:
+    """The environment of an id, "module:ID" or "file.py:ID"; the module or file is imported.
+
+    Raises:
+        ValueError: there is none; the message names those there are.
+    """
+    where, _, env_id = text("environment", name).rpartition(":")
+    if where:
+        _import(name, where)
+    elif env_id not in ENVIRONMENTS:
+        _import_plug_ins()
+    if env_id not in ENVIRONMENTS:
+        raise ValueError(
+            f"unknown environment {shown(name)}; known are {', '.join(ENVIRONMENTS)}; one of your own is "
+            "file.py:ID or module:ID, of what calls fo_gym.register"
+        )
+    return ENVIRONMENTS[env_id]
+
+
+def _import(name: str, where: str) -> None:
+    """Import what an environment's name says, as its user's code: what it raises is told under that name."""
+    if where.endswith(".py") and not os.path.isfile(where):
+        raise ValueError(f"environment {shown(name)}: there is no file {where}; name one that exists")
+    try:
+        import_sources([where])
+    except Exception as error:
+        raise ValueError(
+            f"environment {shown(name)}: importing {where} raised {type(error).__name__}: {error}"
+        ) from error
+
+
+def sources() -> tuple[str, ...]:
+    """Modules and files that registered the environments of others: a worker has to import them."""
+    return tuple(dict.fromkeys(row.source for row in ENVIRONMENTS.values() if row.source))
+
+
+def import_sources(names: tuple[str, ...] | list[str]) -> None:
+    """Import modules and files, each once."""
+    for name in names:
+        if not name.endswith(".py"):
+            importlib.import_module(name)
+            continue
+        path = Path(name).resolve()
+        module_name = f"fo_gym_environments_{hashlib.sha256(str(path).encode()).hexdigest()[:16]}"
+        if module_name in sys.modules or str(path) == getattr(sys.modules["__main__"], "__file__", None):
+            continue
+        spec = importlib.util.spec_from_file_location(module_name, path)
+        assert spec is not None
+        assert spec.loader is not None
+        module = sys.modules[module_name] = importlib.util.module_from_spec(spec)
+        try:
+            spec.loader.exec_module(module)
+        except BaseException:
+            del sys.modules[module_name]
+            raise

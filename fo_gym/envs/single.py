@@ -41,8 +41,8 @@ class JointEnv(gym.Env[Array, Array]):
         ValueError: an argument is not allowed; the message names the value and the remedy.
     """
 
-    robot: ClassVar[RobotLike]
-    task: ClassVar[staticmethod[[Robot], Task]]
+    robot: ClassVar[RobotLike | None] = None
+    task: ClassVar[staticmethod[[Robot], Task] | None] = None
     metadata: dict[str, Any] = {"render_modes": ["human", "rgb_array"], "render_fps": 1000}  # noqa: RUF012
 
     def __init__(self, *, render_mode: str | None = None, **settings: Any) -> None:

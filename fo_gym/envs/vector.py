@@ -40,8 +40,8 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         ValueError: an argument is not allowed; the message names the value and the remedy.
     """
 
-    robot: ClassVar[RobotLike]
-    task: ClassVar[staticmethod[[Robot], Task]]
+    robot: ClassVar[RobotLike | None] = None
+    task: ClassVar[staticmethod[[Robot], Task] | None] = None
     metadata: dict[str, Any] = {  # noqa: RUF012
         "render_modes": ["rgb_array"],
         "render_fps": 1000,

@@ -12,7 +12,7 @@ from fo_gym.parameters import FlexibleJoint, ImpedanceGains, LuGre, PDGains
 from fo_gym.plant.steps import PhysicsDt, is_auto, micro_steps
 from fo_gym.robots import Robot, RobotLike, robot_of
 from fo_gym.signals import TIERS
-from fo_gym.tasks.task import Randomization, Task, TaskLike
+from fo_gym.tasks.task import Randomization, Task, TaskLike, made_for
 from fo_gym.tasks.variants import VARIANTS
 
 ACTION_MODES = ("compensation", "torque")
@@ -30,6 +30,7 @@ class Settings:
 
     Attributes:
         robot: a `fo_gym.Robot`, the name of a shipped one, or a file: robot.toml, MJCF (.xml) or URDF (.urdf).
+        task: a `fo_gym.Task`, or a function that makes one for a robot.
         variant: "nominal" (no randomness), "randomized" (parameters drawn per episode from the seed) or "hardware"
             (randomized, and imperfect sensors, commands, joints and models, see `fo_gym.Hardware`).
         action_mode: "compensation" (action = tau_f_hat; tau_m = tau_c - tau_f_hat) or "torque" (action = tau_m).
@@ -50,6 +51,7 @@ class Settings:
     """
 
     robot: RobotLike | None = None
+    task: TaskLike | None = None
     variant: str = "nominal"
     action_mode: str = "compensation"
     feedback: str = "measured"
@@ -97,22 +99,24 @@ class Settings:
         only("keyword argument", arguments, [each.name for each in fields(cls)])
         return cls(**arguments)
 
-    def applied_to(self, robot: RobotLike, task: TaskLike) -> tuple[Robot, Task]:
+    def applied_to(self, robot: RobotLike | None, task: TaskLike | None) -> tuple[Robot, Task]:
         """What is simulated: robot and task with these settings, the task fitted to the robot.
 
         The robot's hardware is then what the variant has of it. Nothing else looks at both, settings and robot or task.
 
         Args:
-            robot: the environment's own.
+            robot: the environment's own, or None.
             task: likewise, or a function that makes one for a robot.
 
         Raises:
             ValueError: the robot cannot be had, or the task does not suit it.
         """
-        own = robot_of(robot if self.robot is None else self.robot)
+        robot, task = (robot if self.robot is None else self.robot), (task if self.task is None else self.task)
+        if robot is None or task is None:
+            raise ValueError("this environment has no robot or task of its own; make it with robot=... and task=...")
+        own = robot_of(robot)
         own = replace(own, **_given(flexible=self.joints, friction=self.friction))
-        made = task if isinstance(task, Task) else task(own)
-        instance("task", made, Task)
+        made = made_for(own, task)
         made = replace(made, **_given(duration=self.duration, gains=self.gains, randomization=self.randomization))
         return replace(own, hardware=self._effects(own, made)), made.fitted_to(own)
 

@@ -57,7 +57,7 @@ class Simulation:
         limits: of what the options of a reset may ask for.
     """
 
-    def __init__(self, robot: RobotLike, task: TaskLike, num_envs: int, settings: Settings) -> None:
+    def __init__(self, robot: RobotLike | None, task: TaskLike | None, num_envs: int, settings: Settings) -> None:
         self.robot, self.task = settings.applied_to(robot, task)
         self.settings = settings
         self.last_tick = settings.ticks(self.task)

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 Range = tuple[float, float]
 
 
-__all__ = ["Randomization", "Task", "TaskLike", "draw_scenario"]
+__all__ = ["Randomization", "Task", "TaskLike", "draw_scenario", "made_for"]
 
 
 @dataclass(frozen=True)
@@ -128,6 +128,15 @@ class Task:
 
 TaskLike = Task | Callable[[Robot], Task]
 """A task, or a function that makes one for a robot."""
+
+
+def made_for(robot: Robot, task: TaskLike) -> Task:
+    """The task, made for a robot where it is a function. Raises ValueError where it is, or makes, no task."""
+    made: Any = task(robot) if callable(task) else task
+    if not isinstance(made, Task):
+        what = "it makes" if callable(task) else "it is"
+        raise ValueError(f"task: {what} {shown(made)}; give a fo_gym.Task, or a function from a Robot to one")
+    return made
 
 
 def _per_joint(name: str, push: Push | None, dof: int) -> Push | None:
