@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-__all__ = ["asset_path"]
+__all__ = ["asset_path", "is_asset"]
 
 _FOLDER = Path(__file__).resolve().parent
 
@@ -20,3 +20,8 @@ def asset_path(name: str) -> Path:
     if name not in files:
         raise ValueError(f"unknown robot {name!r}; expected one of: {', '.join(files)}")
     return files[name]
+
+
+def is_asset(path: Path) -> bool:
+    """Whether a robot's file is one of these."""
+    return path.resolve().parent == _FOLDER

@@ -164,6 +164,8 @@ class JointInfo:
         stiffness: K_j [N/m | N m/rad].
         torque_limit: bound of the action [N | N m].
         control_dt: time between two estimates [s].
+        identified: friction as an identification of this robot gave it, which a model-based compensator may use; None
+            where none is known. Where friction is drawn per episode, it is off like that of a robot that has aged.
     """
 
     dof: int
@@ -171,3 +173,4 @@ class JointInfo:
     stiffness: Array
     torque_limit: Array
     control_dt: float
+    identified: LuGre | None = None

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from envs_assets import is_asset
 from fo_gym.checks import instance
 from fo_gym.control.nominal_motor import NominalMotor
 from fo_gym.hardware import HardwareDraw
@@ -113,6 +114,7 @@ class Simulation:
             stiffness=np.array([scenario.believed.stiffness for scenario in self.scenarios]),
             torque_limit=np.broadcast_to(self.joints.torque_limit, (self.num_envs, self.dof)).copy(),
             control_dt=self.settings.step_dt,
+            identified=replace(self.task.friction) if is_asset(self.task.robot.path) else None,  # a copy
         )
 
     def reset(self, ids: Ids, generators: Sequence[np.random.Generator], options: Options | None = None) -> None:
