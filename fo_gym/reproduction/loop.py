@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.certificate.cases import FRICTION, JOINT
 from fo_gym.compensators import Compensator
 from fo_gym.control.motor_pd import MotorPD
 from fo_gym.control.nominal_motor import NominalMotor
@@ -18,12 +19,9 @@ from fo_gym.signals import Signals
 Array = NDArray[np.float64]
 
 assert isinstance(STICTION.gains, PDGains)
-assert isinstance(STICTION.friction, LuGre)
-JOINT: FlexibleJoint = STICTION.joints
-FRICTION: LuGre = STICTION.friction
 GAINS: PDGains = STICTION.gains
 
-__all__ = ["FRICTION", "GAINS", "JOINT", "Motion", "run_loop"]
+__all__ = ["GAINS", "Motion", "run_loop"]
 
 
 @dataclass(frozen=True)

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.certificate.cases import OBSERVERS, PERIOD, Case
+from fo_gym.certificate.oracle import Arm
+from fo_gym.certificate.steppers import Stepper, motion
 from fo_gym.envs.arm import ARM, ARM_FRICTION, ARM_HOME, ARM_JOINTS
 from fo_gym.envs.regulation import REGULATION
 from fo_gym.parameters import PDGains
 from fo_gym.plant.robot import load_model
-from fo_gym.reproduction.cases import OBSERVERS, PERIOD, Case
-from fo_gym.reproduction.reference import Arm
-from fo_gym.reproduction.steppers import Stepper, motion
 
 Array = NDArray[np.float64]
 

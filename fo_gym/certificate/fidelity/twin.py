@@ -7,12 +7,12 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.certificate.cases import Case, arm_case, paper_case
+from fo_gym.certificate.statement import Finding, at_most, check, near
+from fo_gym.certificate.steppers import motion, plant, twin
+from fo_gym.certificate.subject import Subject
 from fo_gym.envs.arm import ARM, ARM_HOME
 from fo_gym.plant.steps import DEFAULT_PHYSICS_DT
-from fo_gym.reproduction.cases import Case, arm_case, paper_case
-from fo_gym.reproduction.statement import Finding, at_most, check, near
-from fo_gym.reproduction.steppers import motion, plant, twin
-from fo_gym.reproduction.subject import Subject
 
 Array = NDArray[np.float64]
 

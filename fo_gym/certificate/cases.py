@@ -9,15 +9,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.certificate.oracle import Arm, Control, SingleLink
 from fo_gym.envs.arm import ARM, ARM_FRICTION, ARM_JOINTS
 from fo_gym.envs.stiction import STICTION
 from fo_gym.parameters import FlexibleJoint, LuGre, per_joint
 from fo_gym.plant import FlexibleJointPlant, Robot
 from fo_gym.plant.robot import load_model
-from fo_gym.reproduction.loop import FRICTION, JOINT
-from fo_gym.reproduction.reference import Arm, Control, SingleLink
 
 Array = NDArray[np.float64]
+
+JOINT: FlexibleJoint = STICTION.joints
+FRICTION: LuGre = STICTION.friction
+"""The paper's single link."""
 
 PERIOD = 1e-3
 """Control period of every case [s]."""
@@ -39,7 +42,18 @@ OBSERVERS: dict[str, dict[str, Any]] = {
 }
 """No observer and the paper's six, by the fields of `Control`."""
 
-__all__ = ["OBSERVERS", "PERIOD", "TWO_LINK", "WITHOUT_FRICTION", "Case", "arm_case", "link_case", "paper_case"]
+__all__ = [
+    "FRICTION",
+    "JOINT",
+    "OBSERVERS",
+    "PERIOD",
+    "TWO_LINK",
+    "WITHOUT_FRICTION",
+    "Case",
+    "arm_case",
+    "link_case",
+    "paper_case",
+]
 
 
 @dataclass(frozen=True)
