@@ -16,14 +16,13 @@ huge for one tick, which tanh makes the right sign.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baselines.gains import check_gain
-from baselines.lugre1995 import IDENTIFIED, checked_friction, model_of
+from baselines.lugre1995 import checked_friction, model_of
 from fo_gym import JointInfo, LuGre, Signals
 
 Array = NDArray[np.float64]
@@ -35,20 +34,21 @@ class FrictionFeedForward:
     """tau_f_hat = -(f_c tanh(v_r / v_s) + sigma_2 theta') with measured feedback.
 
     Args:
-        friction: f_c, sigma_2 and v_s of the joints, or one such set for each number of joints; the rest is not used.
+        friction: f_c, sigma_2 and v_s of the joints, the rest is not used; None takes what was identified for the robot
+            (`JointInfo.identified`).
         rate: how fast the reference velocity closes the position error [1/s], above 0.
     """
 
     feedback = "measured"
     search_space: ClassVar[dict[str, tuple[float, float]]] = {"rate": (1.0, 100.0)}
 
-    def __init__(self, friction: LuGre | Mapping[int, LuGre], rate: float = 10.0) -> None:
+    def __init__(self, friction: LuGre | None = None, rate: float = 10.0) -> None:
         self.friction = checked_friction(self, friction)
         self.rate = check_gain(self, "rate", rate)
 
     def reset(self, joints: JointInfo, num_envs: int) -> None:
         """Start new episodes. Raises ValueError where no friction model fits the robot."""
-        self._model = model_of(self, self.friction, joints.dof)
+        self._model = model_of(self, self.friction, joints)
         self._dt = joints.control_dt
         self._theta_d: Array | None = None
 
@@ -62,6 +62,6 @@ class FrictionFeedForward:
         return -(p.f_c * np.tanh(v_r / p.v_s) + p.sigma_2 * signals.theta_dot)
 
 
-def feedforward(friction: LuGre | Mapping[int, LuGre] = IDENTIFIED, rate: float = 10.0) -> FrictionFeedForward:
-    """The feed-forward with the nominal friction of the shipped robots."""
+def feedforward(friction: LuGre | None = None, rate: float = 10.0) -> FrictionFeedForward:
+    """The feed-forward with the identified friction of the robot."""
     return FrictionFeedForward(friction, rate)

@@ -12,96 +12,59 @@ its difference quotient.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import fields
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from fo_gym import JointInfo, LuGre, Signals
-from fo_gym.checks import NOT_NEGATIVE, number, shown
+from fo_gym.checks import NOT_NEGATIVE, POSITIVE, number, real_array, shown
 
 Array = NDArray[np.float64]
 
-__all__ = [
-    "IDENTIFIED",
-    "MISIDENTIFIED",
-    "MISMATCH",
-    "LuGreObserver",
-    "checked_friction",
-    "lugre_nominal",
-    "lugre_off",
-    "model_of",
-]
-
-_ARM_F_C = np.array([4.0, 4.0, 4.0, 4.0, 3.0, 3.0, 3.0])
-_ARM_SIGMA_0 = _ARM_F_C / 1e-4
-_ARM_INERTIA = np.array([1.2, 1.2, 1.2, 1.2, 0.6, 0.6, 0.6])
-
-IDENTIFIED: Mapping[int, LuGre] = {
-    1: LuGre(sigma_0=1e5, sigma_1=float(np.sqrt(1e5)), sigma_2=0.4, f_c=1.0, f_s=1.5, v_s=0.001),
-    7: LuGre(
-        sigma_0=_ARM_SIGMA_0,
-        sigma_1=np.sqrt(_ARM_SIGMA_0 * _ARM_INERTIA),
-        sigma_2=5.0,
-        f_c=_ARM_F_C,
-        f_s=1.5 * _ARM_F_C,
-        v_s=0.01,
-    ),
-}
-"""Identified parameters of the two shipped robots, by their number of joints: the single link, the MIRO-like arm.
-
-A model-based compensator needs an identification of its robot; this one was told the nominal values. Where friction is
-drawn per episode, it is off like any identification of a robot that has aged.
-"""
+__all__ = ["MISMATCH", "LuGreObserver", "checked_friction", "lugre_nominal", "lugre_off", "model_of"]
 
 MISMATCH = 1.0 + np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0]) * np.random.default_rng(1995).uniform(0.2, 0.3, 6)
 """Factors on sigma_0, sigma_1, sigma_2, f_c, f_s, v_s: off by 20 to 30 %, in turn up and down; drawn from seed 1995."""
 
 
-def _misidentified(friction: LuGre) -> LuGre:
-    names = (field.name for field in fields(friction))
-    return LuGre(**{name: getattr(friction, name) * factor for name, factor in zip(names, MISMATCH, strict=True)})
-
-
-MISIDENTIFIED: Mapping[int, LuGre] = {dof: _misidentified(friction) for dof, friction in IDENTIFIED.items()}
-"""IDENTIFIED with every parameter off by its MISMATCH."""
-
-
-def checked_friction(owner: object, friction: LuGre | Mapping[int, LuGre]) -> LuGre | Mapping[int, LuGre]:
-    """The argument as it is. Raises ValueError where it is no friction model, nor one for each number of joints."""
-    models = friction.values() if isinstance(friction, Mapping) else (friction,)
-    if not models or not all(isinstance(model, LuGre) for model in models):
+def checked_friction(owner: object, friction: LuGre | None) -> LuGre | None:
+    """The argument as it is. Raises ValueError where it is no friction model."""
+    if not isinstance(friction, LuGre | None):
         raise ValueError(
-            f"{type(owner).__name__}: friction is {shown(friction)}; give fo_gym.LuGre(...), or one for "
-            "each number of joints, {dof: fo_gym.LuGre(...)}"
+            f"{type(owner).__name__}: friction is {shown(friction)}; give fo_gym.LuGre(...), or None for what was "
+            "identified for the robot"
         )
     return friction
 
 
-def model_of(owner: object, friction: LuGre | Mapping[int, LuGre], dof: int) -> LuGre:
-    """The friction model of a robot with `dof` joints.
+def model_of(owner: object, friction: LuGre | None, joints: JointInfo) -> LuGre:
+    """The friction model that is given, or, where none is, the identified one of the robot.
 
     Raises:
-        ValueError: there is none, or it is for another number of joints.
+        ValueError: there is neither, or it is for another number of joints.
     """
     name = type(owner).__name__
-    if isinstance(friction, Mapping):
-        if dof not in friction:
-            raise ValueError(
-                f"{name}: no friction was identified for a robot with {dof} joints, only for {sorted(friction)}; "
-                f"give the parameters of yours as {name}(friction=fo_gym.LuGre(...))"
-            )
-        friction = friction[dof]
-    for field in fields(friction):
-        shape = np.shape(getattr(friction, field.name))
-        if shape not in ((), (1,), (dof,)):
+    model = joints.identified if friction is None else friction
+    if model is None:
+        raise ValueError(
+            f"{name}: there is no identified friction for this robot of {joints.dof} joint(s); give its parameters as "
+            f"{name}(friction=fo_gym.LuGre(...))"
+        )
+    for field in fields(model):
+        shape = np.shape(getattr(model, field.name))
+        if shape not in ((), (1,), (joints.dof,)):
             raise ValueError(
                 f"{name}: friction.{field.name} has shape {shape}; give one value for all joints or one for each of "
-                f"the {dof}"
+                f"the {joints.dof}"
             )
-    return friction
+    return model
+
+
+def _off(friction: LuGre, factors: Array) -> LuGre:
+    names = (field.name for field in fields(friction))
+    return LuGre(**{name: getattr(friction, name) * factor for name, factor in zip(names, factors, strict=True)})
 
 
 class LuGreObserver:
@@ -115,20 +78,22 @@ class LuGreObserver:
     controllers meets; the 10 of the 1995 example hunts here, and k must be small.
 
     Args:
-        friction: parameters of the model, or one such set for each number of joints.
+        friction: parameters of the model; None takes those that were identified for the robot (`JointInfo.identified`).
         k: gain of the position error [1/s], at least 0.
+        factors: on sigma_0, sigma_1, sigma_2, f_c, f_s, v_s, to see what wrong ones do.
     """
 
     feedback = "measured"
     search_space: ClassVar[dict[str, tuple[float, float]]] = {"k": (1e-6, 1e-2)}
 
-    def __init__(self, friction: LuGre | Mapping[int, LuGre], k: float = 1e-3) -> None:
+    def __init__(self, friction: LuGre | None = None, k: float = 1e-3, factors: ArrayLike = (1.0,) * 6) -> None:
         self.friction = checked_friction(self, friction)
         self.k = number("LuGreObserver: k", k, NOT_NEGATIVE)
+        self.factors = real_array("LuGreObserver: factors", factors, (6,), POSITIVE)
 
     def reset(self, joints: JointInfo, num_envs: int) -> None:
         """Start new episodes with the bristles at rest. Raises ValueError where no friction model fits the robot."""
-        self._model = model_of(self, self.friction, joints.dof)
+        self._model = _off(model_of(self, self.friction, joints), self.factors)
         self._dt = joints.control_dt
         self._z = np.zeros((num_envs, joints.dof))
 
@@ -143,11 +108,11 @@ class LuGreObserver:
         return -(p.sigma_0 * z + p.sigma_1 * z_dot + p.sigma_2 * v)
 
 
-def lugre_nominal(friction: LuGre | Mapping[int, LuGre] = IDENTIFIED, k: float = 1e-3) -> LuGreObserver:
-    """The observer with the nominal parameters of the shipped robots: exact on "nominal", and so a reference there."""
+def lugre_nominal(friction: LuGre | None = None, k: float = 1e-3) -> LuGreObserver:
+    """The observer with the identified parameters: on the shipped robots exact in "nominal", and so a reference."""
     return LuGreObserver(friction, k)
 
 
-def lugre_off(friction: LuGre | Mapping[int, LuGre] = MISIDENTIFIED, k: float = 1e-3) -> LuGreObserver:
-    """The observer with parameters that are 20 to 30 % off."""
-    return LuGreObserver(friction, k)
+def lugre_off(friction: LuGre | None = None, k: float = 1e-3) -> LuGreObserver:
+    """The observer with parameters that are 20 to 30 % off those (`MISMATCH`)."""
+    return LuGreObserver(friction, k, MISMATCH)

@@ -12,7 +12,7 @@ from fo_gym.evaluation.metrics import METRICS
 from fo_gym.evaluation.metrics.registry import HEADLINE
 from fo_gym.evaluation.results.statistics import interquartile_mean, paired_difference
 from fo_gym.evaluation.results.tables import Ranking, explained, finding, markdown, summary
-from fo_gym.evaluation.runs.episodes import SET
+from fo_gym.evaluation.runs.episodes import SET, label_of
 from fo_gym.files import read_csv
 from fo_gym.reproduction.report import PLACES, counts, tolerance
 from fo_gym.reproduction.run import FAILS, HOLDS
@@ -83,7 +83,7 @@ def learned() -> str:
     """FRR of the learned compensators beside the paper's observers and the tuned ones, from the leaderboard."""
     episodes = _csv("leaderboard/episodes.csv")
     cells = []
-    for (env, variant), rows in episodes.groupby(SET, sort=False):
+    for (env, robot, variant), rows in episodes.groupby(SET, sort=False):
         frr = rows.pivot(index="seed", columns="compensator", values="frr")
         mean = frr.apply(interquartile_mean)
         paper, tuned = str(mean[list(PAPER)].idxmax()), str(mean[list(TUNED)].idxmax())
@@ -91,7 +91,9 @@ def learned() -> str:
         _, low, high = paired_difference(frr["rl-residual"], frr[paper], np.random.default_rng(0))
         shown = (f"{mean[name]:.4f}" for name in LEARNED)
         best, other = (f"{name} {mean[name]:.4f}" for name in (paper, tuned))
-        cells.append([f"{env}, {variant}", best, *shown, f"{ratio:.2f}", f"{low:+.4f} ... {high:+.4f}", other])
+        cells.append(
+            [label_of(env, robot, variant), best, *shown, f"{ratio:.2f}", f"{low:+.4f} ... {high:+.4f}", other]
+        )
     headings = ["episodes", "best with the paper's gains", *LEARNED]
     headings += ["ratio of 1 - FRR", "paired difference, 95 %", "best tuned"]
     return markdown(Ranking("", headings, cells))
@@ -155,7 +157,7 @@ def chaotic() -> str:
     table = table[table["metric"] == HEADLINE]
     sets = list(dict.fromkeys(table["instruction_set"]))
     cells = []
-    for (env, variant), rows in table.groupby(SET, sort=False):
+    for (env, _, variant), rows in table.groupby(SET, sort=False):
         counts = rows.set_index("instruction_set")["chaotic"]
         cells.append([str(env), str(variant), str(rows["episodes"].iloc[0]), *(str(counts[name]) for name in sets)])
     return markdown(Ranking("", ["environment", "variant", "episodes", *(f"chaotic, {name}" for name in sets)], cells))

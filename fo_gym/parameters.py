@@ -45,6 +45,11 @@ def per_joint(parameters: Any, dof: int) -> Any:
     return type(parameters)(**{name: np.broadcast_to(value, (dof,)) for name, value in vars(parameters).items()})
 
 
+def one_joint(parameters: Any) -> Any:
+    """The parameters of a single joint with numbers for its arrays of one."""
+    return type(parameters)(**{name: float(np.asarray(value).item()) for name, value in vars(parameters).items()})
+
+
 @dataclass(frozen=True, eq=False)
 class LuGre:
     """LuGre friction on the motor side (Canudas de Wit et al. 1995); v = theta'.
@@ -166,6 +171,8 @@ class JointInfo:
         stiffness: K_j [N/m | N m/rad].
         torque_limit: bound of the action [N | N m].
         control_dt: time between two estimates [s].
+        identified: friction as an identification of this robot gave it, which a model-based compensator may use; None
+            where none is known. Where friction is drawn per episode, it is off like that of a robot that has aged.
     """
 
     dof: int
@@ -173,3 +180,4 @@ class JointInfo:
     stiffness: Array
     torque_limit: Array
     control_dt: float
+    identified: LuGre | None = None

@@ -1,4 +1,4 @@
-"""The reference's arm on MuJoCo's own forward dynamics: for robot files with springs, dampers and armature."""
+"""The oracle's arm on MuJoCo's own forward dynamics: for robot files with springs, dampers and armature."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from fo_gym.reproduction.reference import Arm
+from fo_gym.certificate.oracle import Arm
 
 
 class MujocoArm(Arm):

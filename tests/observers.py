@@ -5,12 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 import fo_gym
+from fo_gym.robots import robot_of
 
 DT = 1e-3
 
 
+IDENTIFIED = {1: robot_of("single_link").friction, 7: robot_of("miro_like").friction}
+"""Of the two shipped robots, by their number of joints."""
+
+
 def joints(dof=7, control_dt=DT, inertia=1.3, limit=1e9):
-    return fo_gym.JointInfo(dof, np.full(dof, inertia), np.full(dof, 3e3), np.full(dof, limit), control_dt)
+    arrays = np.full(dof, inertia), np.full(dof, 3e3), np.full(dof, limit)
+    return fo_gym.JointInfo(dof, *arrays, control_dt, IDENTIFIED.get(dof))
 
 
 def random_observations(ticks, num_envs, dof=7, seed=0):

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import fo_gym
+from fo_gym.certificate.statement import Finding, at_least, at_most, near
+from fo_gym.certificate.subject import Subject
 from fo_gym.reproduction.claims import CLAIMS
-from fo_gym.reproduction.statement import Finding, at_least, at_most, near
-from fo_gym.reproduction.subject import Subject
 
 COARSE = Subject(control_dt=1e-3, quick=True)
 PANELS = ["panel-pid-high", "panel-pd-low", "panel-pd-high", "pd-rest-size"]

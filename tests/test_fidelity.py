@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from fo_gym.certificate import experiments, fidelity, oracle
+from fo_gym.certificate.statement import CHECKS, check
+from fo_gym.certificate.subject import Subject
 from fo_gym.plant import plant as plant_module
 from fo_gym.plant.rigid_body import RigidBody
-from fo_gym.reproduction import experiments, fidelity, reference
-from fo_gym.reproduction.statement import CHECKS, check
-from fo_gym.reproduction.subject import Subject
 
 GROUPS = {name: getattr(fidelity, name) for name in fidelity.__all__ if name != "CHECKS"}
 slow = pytest.mark.slow
@@ -113,13 +113,13 @@ def test_another_friction_is_seen(broken: pytest.MonkeyPatch, name: str, factor:
 @pytest.mark.parametrize("id", ["energy-dissipation", "sensitivity-sigma-1", pytest.param("solver-paper", marks=slow)])
 def test_a_wrong_sign_in_the_equations_is_seen(broken: pytest.MonkeyPatch, id: str) -> None:
     """Bristle damping that pushes: what the plant must not agree with."""
-    right = reference.lugre
+    right = oracle.lugre
 
     def wrong(v: Any, z: Any, friction: Any, *exp: Any) -> tuple[Any, Any]:
         z_rate, tau_f = right(v, z, friction, *exp)
         return z_rate, tau_f + 1.2 * friction.sigma_1 * z_rate
 
-    for module in (reference, fidelity.energy):
+    for module in (oracle, fidelity.energy):
         broken.setattr(module, "lugre", wrong)
     assert not CHECKS[id].measure(QUICK).holds
 

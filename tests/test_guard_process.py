@@ -64,13 +64,16 @@ def mine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     return "mine.py:Mine"
 
 
-@pytest.mark.parametrize("env_id", [STICTION, SQUARE])
-def test_the_rows_are_the_same_bytes_as_in_this_process(env_id: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("env_id", "name", "source"),
+    [(STICTION, "pid-high", "kim2019"), (SQUARE, "pid-high", "kim2019"), (SQUARE, "lugre-off", "lugre1995")],
+)
+def test_the_rows_are_the_same_bytes_as_in_this_process(env_id: str, name: str, source: str, tmp_path: Path) -> None:
     file = tmp_path / "copied.py"
-    file.write_bytes((ROOT / "baselines" / "kim2019.py").read_bytes())
+    file.write_bytes((ROOT / "baselines" / f"{source}.py").read_bytes())
     arguments: dict[str, Any] = {"variant": "hardware", "seeds": 2, "duration": 0.3}
-    here = fo_gym.evaluate("pid-high", env_id, **arguments)
-    there = fo_gym.evaluate(f"{file}:pid_high", env_id, **arguments)
+    here = fo_gym.evaluate(name, env_id, **arguments)
+    there = fo_gym.evaluate(f"{file}:{name.replace('-', '_')}", env_id, **arguments)
     labels = ["compensator", "competitor_hash"]
     pd.testing.assert_frame_equal(there.drop(columns=labels), here.drop(columns=labels), check_exact=True)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from observers import DT, answers, joints, on_a_motor, random_observations
+from observers import DT, IDENTIFIED, answers, joints, on_a_motor, random_observations
 from scipy import integrate, optimize, signal
 
 from baselines.feedforward import feedforward
@@ -13,7 +13,7 @@ from baselines.kaneko import kaneko
 from baselines.kim2019 import pd_measured, pid_measured
 from baselines.kimchung2015 import KimChungObserver, kimchung
 from baselines.l1_observer import l1
-from baselines.lugre1995 import IDENTIFIED, lugre_nominal
+from baselines.lugre1995 import lugre_nominal
 
 TRANSFER = {
     "kimchung": (kimchung, [3 * 100**2, 100**3], np.poly([-100, -100, -100])),

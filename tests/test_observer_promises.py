@@ -5,7 +5,7 @@ from __future__ import annotations
 import gymnasium as gym
 import numpy as np
 import pytest
-from observers import DT, answers, joints, on_a_motor
+from observers import DT, IDENTIFIED, answers, joints, on_a_motor
 from scipy import signal
 
 import fo_gym
@@ -16,7 +16,7 @@ from baselines.kim2019 import pd_high, pd_measured, pid_high, pid_measured
 from baselines.kimchung2015 import kimchung
 from baselines.l1_observer import l1
 from baselines.letien2008 import letien_high
-from baselines.lugre1995 import IDENTIFIED, lugre_nominal, lugre_off
+from baselines.lugre1995 import lugre_nominal, lugre_off
 from fo_gym.evaluation.runs.episodes import EpisodeSet
 
 

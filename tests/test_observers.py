@@ -5,9 +5,10 @@ from __future__ import annotations
 import inspect
 from dataclasses import fields
 
+import gymnasium as gym
 import numpy as np
 import pytest
-from observers import DT, answers, joints, on_a_motor, random_observations
+from observers import DT, IDENTIFIED, answers, joints, on_a_motor, random_observations
 
 import baselines
 import fo_gym
@@ -18,8 +19,8 @@ from baselines.kim2019 import pd_high, pd_low, pd_measured, pid_high, pid_low, p
 from baselines.kimchung2015 import kimchung
 from baselines.l1_observer import l1
 from baselines.letien2008 import letien_high, letien_low
-from baselines.lugre1995 import IDENTIFIED, MISIDENTIFIED, MISMATCH, lugre_nominal, lugre_off
-from fo_gym.robots import robot_of
+from baselines.lugre1995 import MISMATCH, lugre_nominal, lugre_off
+from fo_gym.parameters import LuGre
 
 NEW = (
     kimchung,
@@ -60,7 +61,7 @@ def test_one_row_of_a_batch_is_a_batch_of_one(make):
         np.testing.assert_array_equal(answers(make(), observations[:, [i]], joints())[:, 0], batch[:, i])
     info = joints()
     per_row = (np.tile(values, (3, 1)) for values in (info.motor_inertia, info.stiffness, info.torque_limit))
-    wide = fo_gym.JointInfo(7, *per_row, DT)
+    wide = fo_gym.JointInfo(7, *per_row, DT, IDENTIFIED[7])
     np.testing.assert_array_equal(answers(make(), observations, wide), batch)
 
 
@@ -121,14 +122,26 @@ def test_search_space_names_gains_of_the_constructor(make):
 # The robots that the model-based ones know.
 
 
-@pytest.mark.parametrize(
-    ("dof", "friction"), [(1, robot_of("single_link").friction), (7, robot_of("miro_like").friction)]
-)
-def test_identified_parameters_are_the_environments(dof, friction):
-    for field, factor in zip(fields(friction), MISMATCH, strict=True):
-        true = getattr(friction, field.name)
-        np.testing.assert_allclose(getattr(IDENTIFIED[dof], field.name), true, rtol=1e-15)
-        np.testing.assert_allclose(getattr(MISIDENTIFIED[dof], field.name), factor * np.asarray(true), rtol=1e-15)
+@pytest.mark.parametrize(("env_id", "dof"), [("FJRStiction-v0", 1), ("FJRSquare-v0", 7)])
+def test_the_shipped_robots_are_identified_and_others_are_not(env_id, dof, tmp_path):
+    """By their nominal friction, whatever the episode's; a robot of one's own with as many joints has none."""
+    env = gym.make(env_id, friction=LuGre(1e4, 1.0, 1.0, 2.0, 3.0, 0.02)).unwrapped
+    env.reset(seed=0)
+    for name, value in vars(IDENTIFIED[dof]).items():
+        np.testing.assert_array_equal(getattr(env.joint_info.identified, name), value)
+    robot = env.simulation.robot
+    own = tmp_path / "own.xml"
+    own.write_bytes(robot.link_side.file.read_bytes())
+    assert gym.make("FJRRegulation-v0", robot=str(own)).unwrapped.joint_info.identified is None
+
+
+def test_parameters_may_be_off_by_factors():
+    for field, factor in zip(fields(LuGre), MISMATCH, strict=True):
+        observer = lugre_off()
+        observer.reset(joints(7), 1)
+        np.testing.assert_array_equal(
+            getattr(observer._model, field.name), factor * np.asarray(getattr(IDENTIFIED[7], field.name))
+        )
 
 
 def test_mismatch_is_what_its_docstring_says():
@@ -138,7 +151,7 @@ def test_mismatch_is_what_its_docstring_says():
 
 @pytest.mark.parametrize("make", [lugre_nominal, lugre_off, feedforward])
 def test_an_unknown_robot_asks_for_its_parameters(make):
-    with pytest.raises(ValueError, match=r"no friction was identified .* with 3 joints, only for \[1, 7\]; give"):
+    with pytest.raises(ValueError, match=r"no identified friction for this robot of 3 joint\(s\); give its parameters"):
         make().reset(joints(3), 1)
     make(friction=IDENTIFIED[1]).reset(joints(3), 1)
     with pytest.raises(ValueError, match=r"friction\.sigma_0 has shape \(7,\); .* one for each of the 3"):

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from envs_assets import asset_path
+from fo_gym.certificate.oracle import Arm, Control, sampled
 from fo_gym.parameters import FRICTIONLESS, FlexibleJoint, LuGre
 from fo_gym.plant import FlexibleJointPlant
-from fo_gym.reproduction.reference import Arm, Control, sampled
 from fo_gym.robots import LinkSide, robot_of
 
 ROBOT = LinkSide(asset_path("miro_like"), tuple(f"joint{i}" for i in range(1, 8)))

@@ -11,14 +11,15 @@ import pytest
 from mujoco_arm import MujocoArm, dense_inertia
 from pendulum import FRICTION, JOINTS, POSE, MakeRobot, drive, plant_of, varied, write_pendulum
 
+from fo_gym.certificate.cases import WITHOUT_FRICTION
+from fo_gym.certificate.oracle import Arm, Control, sampled
 from fo_gym.parameters import FRICTIONLESS, LuGre
 from fo_gym.plant import FlexibleJointPlant
-from fo_gym.reproduction.reference import Arm, Control, sampled
 from fo_gym.robots import LinkSide
 
 
 def free_arm(robot: LinkSide) -> Arm:
-    return MujocoArm(robot.file, JOINTS, LuGre(0.0, 0.0, 0.0, 1.0, 1.0, 1.0))
+    return MujocoArm(robot.file, JOINTS, WITHOUT_FRICTION)
 
 
 @pytest.mark.parametrize("friction", [FRICTION, FRICTIONLESS], ids=["friction", "frictionless"])

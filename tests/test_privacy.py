@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from answering import DOF, STICTION, Answering, arrays, assert_same, episodes, silent
 
-from fo_gym import Signals
+from fo_gym import LuGre, Signals
 from fo_gym.signals import SIGNALS
 
 PRIVATE = ("q", "q_dot", "z", "tau_f")
@@ -47,6 +47,7 @@ def test_no_compensator_sees_the_truth(env_id: str) -> None:
 
     expected = {f"signals.{name}" for name in (*SIGNALS, "time", "reference", "available")}
     expected |= {f"joints.{name}" for name in ("dof", "motor_inertia", "stiffness", "torque_limit", "control_dt")}
+    expected |= {f"joints.identified.{field.name}" for field in fields(LuGre)}
     assert {path for path in seen if not path.endswith(".base")} == expected
     simulation = env.unwrapped.simulation
     secrets = {name: np.array(values) for name, values in truth.items()}

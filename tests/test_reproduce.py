@@ -10,14 +10,14 @@ import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
+from fo_gym.certificate.statement import Finding, Statement, at_most
+from fo_gym.certificate.subject import Subject
 from fo_gym.cli import app
 from fo_gym.reproduction import run
 from fo_gym.reproduction.claims import CLAIMS
 from fo_gym.reproduction.figures import FIGURES, FigureSpec
 from fo_gym.reproduction.report import PLACES, page, tolerance, write_reproduction
 from fo_gym.reproduction.run import PARTS, TABLES, reproduce, size, surprises
-from fo_gym.reproduction.statement import Finding, Statement, at_most
-from fo_gym.reproduction.subject import Subject
 
 QUICK = Subject(control_dt=1e-3, quick=True)
 ROOT = Path(__file__).parents[1]

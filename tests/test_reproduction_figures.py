@@ -11,12 +11,12 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from fo_gym.certificate.cases import FRICTION
+from fo_gym.certificate.subject import Subject
 from fo_gym.reproduction.figures import FIGURES, draw
 from fo_gym.reproduction.figures.motivating import VIEWS, break_away
 from fo_gym.reproduction.figures.style import KINDS, LINES
-from fo_gym.reproduction.loop import FRICTION
 from fo_gym.reproduction.runs import GAINS, panels
-from fo_gym.reproduction.subject import Subject
 
 pytestmark = pytest.mark.slow
 QUICK = Subject(control_dt=1e-3, quick=True)

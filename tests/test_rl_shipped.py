@@ -14,9 +14,9 @@ from baselines.rl import rl_direct, rl_residual
 from baselines.rl.compensator import SHIPPED
 from baselines.rl.course import COURSES
 from fo_gym import Signals
+from fo_gym.certificate.cases import FRICTION, JOINT
+from fo_gym.certificate.oracle import SingleLink, sampled
 from fo_gym.evaluation.runs.episodes import EpisodeSet
-from fo_gym.reproduction.loop import FRICTION, JOINT
-from fo_gym.reproduction.reference import SingleLink, sampled
 
 
 class TestShipped:

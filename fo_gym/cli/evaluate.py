@@ -11,7 +11,19 @@ import typer
 
 from fo_gym.cli.gains import gains_of
 from fo_gym.cli.view import print_rankings
-from fo_gym.cli.work import STORE, Fresh, Jobs, StoreFolder, Traced, fail_if_failed, note, run_behind_bar, store_in
+from fo_gym.cli.work import (
+    STORE,
+    Fresh,
+    Jobs,
+    RobotOption,
+    StoreFolder,
+    Traced,
+    fail_if_failed,
+    note,
+    robots_of,
+    run_behind_bar,
+    store_in,
+)
 from fo_gym.console import Stop, check_folder, check_jobs, tell_written
 
 if TYPE_CHECKING:
@@ -34,6 +46,7 @@ def run_evaluate(
         ),
     ],
     env: Annotated[str, typer.Option(help="Environment id; see `fo-gym list`.")] = "FJRStiction-v0",
+    robot: RobotOption = None,
     variant: Annotated[str, typer.Option(help="nominal (one episode), randomized or hardware.")] = "nominal",
     seeds: Annotated[int, typer.Option(min=1, help="Episodes, from the validation seeds.")] = 20,
     gains: Annotated[
@@ -70,6 +83,8 @@ def run_evaluate(
 
         fo-gym evaluate pid-high --env FJRSquare-v0 --baselines none --out build/mine
 
+        fo-gym evaluate pid-high --env FJRRegulation-v0 --robot arm.urdf
+
         fo-gym evaluate leaderboard/submissions/theirs.toml
     """
     from fo_gym.evaluation.competitors.entry import check_names, competitor_of, handed_over
@@ -94,7 +109,7 @@ def run_evaluate(
         everybody = (*given, *(competitor_of(text) for text in others if text not in done))
         check_names(everybody)
         names = tuple(competitor.name for competitor in everybody)
-        protocol = Protocol("evaluate", "validation", seeds, (env,), (variant,), names)
+        protocol = Protocol("evaluate", "validation", seeds, (env,), (variant,), names, robots_of(robot))
     except ValueError as error:
         raise Stop(str(error)) from error
     if out is not None and all(name in BUILT_IN for name in names):
@@ -115,13 +130,14 @@ def run_evaluate(
 
 def _run(everybody: Sequence[Competitor], protocol: Protocol, store: Store, jobs: int, *, traced: bool) -> Results:
     """Everybody on the episodes of the protocol; who is not in the store yet meets the first moments before."""
-    from fo_gym.evaluation.runs.episodes import EpisodeSet
     from fo_gym.evaluation.runs.meeting import meet
-    from fo_gym.evaluation.runs.run import Contest
+    from fo_gym.evaluation.runs.run import Contest, episodes_in
     from fo_gym.specs import BUILT_IN
 
-    (env,), (variant,) = protocol.environments, protocol.variants
-    episodes = EpisodeSet(env, variant, protocol.seeds_of(variant), {}, traced)
+    try:
+        (episodes,) = episodes_in(protocol, traced=traced)
+    except (ValueError, OSError) as error:
+        raise Stop(str(error)) from error
     for competitor in everybody:
         if store.load(episodes, competitor) is None:
             with _telling():

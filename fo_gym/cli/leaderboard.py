@@ -75,7 +75,7 @@ def run_leaderboard(
         for competitor in competitors_of(chosen):  # submissions are not the user's to mend
             check_spec(competitor.spec)
         contests = contests_in(chosen, theirs, traced=traces)
-    except ValueError as error:
+    except (ValueError, FileNotFoundError) as error:
         raise Stop(str(error)) from error
     results = run_behind_bar(
         contests, chosen.stamp, store_in(store, fresh=fresh), jobs, backend=backend, address=address

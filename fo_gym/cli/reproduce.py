@@ -44,9 +44,9 @@ def run_reproduce(
     """
     check_jobs(jobs)
     try:
+        from fo_gym.certificate.subject import Subject
         from fo_gym.reproduction.report import counts, write_reproduction
         from fo_gym.reproduction.run import PARTS, reproduce, size, surprises
-        from fo_gym.reproduction.subject import Subject
     except ModuleNotFoundError as error:  # Pinocchio is heavy, and nothing else needs it
         raise Stop(f"{error}; install what `fo-gym reproduce` needs with: {install_command('reproduce')}") from error
     parts = PARTS if only is None else (only,)

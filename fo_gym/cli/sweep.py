@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fo_gym.cli.gains import gain_sets
-from fo_gym.cli.work import STORE, Fresh, Jobs, StoreFolder, note, run_behind_bar, store_in
+from fo_gym.cli.work import STORE, Fresh, Jobs, RobotOption, StoreFolder, note, robots_of, run_behind_bar, store_in
 from fo_gym.console import Stop, check_folder, check_jobs, console, tell_written, text_table
 
 if TYPE_CHECKING:
@@ -33,6 +33,7 @@ def run_sweep(
         ),
     ],
     env: Annotated[list[str] | None, typer.Option(help="Environment id, repeatable; FJRStiction-v0.")] = None,
+    robot: RobotOption = None,
     variant: Annotated[
         list[str] | None, typer.Option(help="nominal (one episode), randomized or hardware, repeatable; nominal.")
     ] = None,
@@ -63,13 +64,12 @@ def run_sweep(
     values = gain_sets(gains)
     envs, variants = tuple(env or ["FJRStiction-v0"]), tuple(variant or ["nominal"])
     try:
-        protocol = Protocol("sweep", "validation", seeds, envs, variants, (compensator,))
+        protocol = Protocol("sweep", "validation", seeds, envs, variants, (compensator,), robots_of(robot))
         from fo_gym.evaluation.results.sweep import Grid, Plan
-        from fo_gym.evaluation.runs.episodes import EpisodeSet
+        from fo_gym.evaluation.runs.run import episodes_in
 
-        sets = [EpisodeSet(each, how, protocol.seeds_of(how), {}) for each in envs for how in variants]
-        plan = Plan(Grid(compensator, values), sets, jobs)
-    except (ValueError, TypeError, CompensatorError) as error:
+        plan = Plan(Grid(compensator, values), episodes_in(protocol), jobs)
+    except (ValueError, TypeError, OSError, CompensatorError) as error:
         raise Stop(str(error)) from error
     table = plan.table(run_behind_bar(plan.contests, "", store_in(store, fresh=fresh), jobs))
     _print(table, list(values))

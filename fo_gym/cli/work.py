@@ -42,6 +42,14 @@ Traced = Annotated[
 StoreFolder = Annotated[
     Path, typer.Option(file_okay=False, help="Folder in which finished runs are kept, and looked for.")
 ]
+RobotOption = Annotated[
+    str | None,
+    typer.Option(
+        "--robot",
+        metavar="ROBOT",
+        help="Another robot for the environments of arms: robot.toml, MJCF (.xml), URDF (.urdf), or a shipped name.",
+    ),
+]
 STORE = Path("build/store")
 Fresh = Annotated[bool, typer.Option("--fresh", help="Compute everything, whatever the store holds.")]
 
@@ -51,6 +59,7 @@ __all__ = [
     "Address",
     "Fresh",
     "Jobs",
+    "RobotOption",
     "StoreFolder",
     "Submissions",
     "Traced",
@@ -58,6 +67,7 @@ __all__ = [
     "check_workers",
     "fail_if_failed",
     "note",
+    "robots_of",
     "run_behind_bar",
     "store_in",
     "submissions_of",
@@ -100,6 +110,11 @@ def working(
     except KeyboardInterrupt:
         note(f"interrupted{kept}")
         raise typer.Exit(INTERRUPTED) from None
+
+
+def robots_of(robot: str | None) -> dict[str, str]:
+    """The robots of a protocol that run on the one that --robot names, called after its file."""
+    return {} if robot is None else {Path(robot).stem: robot}
 
 
 def store_in(folder: Path, *, fresh: bool) -> Store:

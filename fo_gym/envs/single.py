@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from copy import deepcopy
+from dataclasses import replace
 from typing import Any, ClassVar
 
 import gymnasium as gym
@@ -67,9 +68,8 @@ class JointEnv(gym.Env[Array, Array]):
     def joint_info(self) -> JointInfo:
         """What a compensator may know of the current episode's joints; arrays are (dof,)."""
         info = self.simulation.joint_info
-        return JointInfo(
-            info.dof, info.motor_inertia[0], info.stiffness[0], info.torque_limit[0], control_dt=info.control_dt
-        )
+        first = {name: getattr(info, name)[0] for name in ("motor_inertia", "stiffness", "torque_limit")}
+        return replace(info, **first)
 
     def _info(self) -> dict[str, Any]:
         return {name: value[0] for name, value in self.simulation.truth().items()}

@@ -1,1 +1,1 @@
-"""Reproduce what arXiv:1907.00553 shows and says, and certify the physics: figures, claims, certificate."""
+"""Reproduce what arXiv:1907.00553 shows and says: claims and figures, published beside the certificate."""

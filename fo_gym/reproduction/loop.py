@@ -2,35 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import TypeVar
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.certificate.cases import FRICTION, JOINT
 from fo_gym.compensators import Compensator
 from fo_gym.control.motor_pd import MotorPD
 from fo_gym.control.nominal_motor import NominalMotor
-from fo_gym.parameters import FlexibleJoint, JointInfo, LuGre, PDGains
+from fo_gym.parameters import FlexibleJoint, JointInfo, LuGre, PDGains, one_joint
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.robots import robot_of
 from fo_gym.signals import Signals
 
 Array = NDArray[np.float64]
 
-_Parameters = TypeVar("_Parameters", FlexibleJoint, LuGre, PDGains)
-
-
-def _of_one_joint(parameters: _Parameters) -> _Parameters:
-    """The same with numbers instead of arrays of one."""
-    return replace(parameters, **{name: float(value[0]) for name, value in vars(parameters).items()})
-
-
 LINK = robot_of("single_link")
 assert LINK.pd_gains is not None
-JOINT, FRICTION, GAINS = _of_one_joint(LINK.flexible), _of_one_joint(LINK.friction), _of_one_joint(LINK.pd_gains)
+GAINS: PDGains = one_joint(LINK.pd_gains)
 
-__all__ = ["FRICTION", "GAINS", "JOINT", "Motion", "run_loop"]
+__all__ = ["GAINS", "Motion", "run_loop"]
 
 
 @dataclass(frozen=True)

@@ -11,12 +11,12 @@ import pandas as pd
 import pinocchio
 from joblib import Parallel, delayed
 
+from fo_gym.certificate.fidelity import CHECKS
+from fo_gym.certificate.statement import Finding, Statement
+from fo_gym.certificate.subject import Subject
 from fo_gym.evaluation.runs.provenance import versions
 from fo_gym.reproduction.claims import CLAIMS
-from fo_gym.reproduction.fidelity import CHECKS
 from fo_gym.reproduction.figures import FIGURES, draw
-from fo_gym.reproduction.statement import Finding, Statement
-from fo_gym.reproduction.subject import Subject
 
 TABLES = {"claims": CLAIMS, "fidelity": CHECKS}
 """The two tables by name."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
+from fo_gym.certificate.subject import Subject
 from fo_gym.compensators import NoCompensation
 from fo_gym.parameters import FRICTIONLESS
-from fo_gym.reproduction.subject import Subject
 from fo_gym.reproduction.team import Run, run_team
 
 STICTION, REGULATION, SQUARE = "FJRStiction-v0", "FJRRegulation-v0", "FJRSquare-v0"

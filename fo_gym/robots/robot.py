@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import hashlib
+from dataclasses import dataclass, field, fields, is_dataclass
+from functools import cached_property
 from os import PathLike
+from typing import Any
 
+import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,6 +20,9 @@ from fo_gym.robots.making import made_from_file
 from fo_gym.robots.report import Report
 
 Array = NDArray[np.float64]
+
+_NO_MOTION = ("name", "link_side", "report")
+"""Fields that a robot's fingerprint does not need: the model of its links is in it."""
 
 __all__ = ["Robot"]
 
@@ -79,6 +86,16 @@ class Robot:
         """Number of flexible joints."""
         return self.link_side.dof
 
+    @cached_property
+    def fingerprint(self) -> str:
+        """Hash of all that decides how it moves, whatever its files are called."""
+        model = self.link_side.model
+        links = np.zeros(mujoco.mj_sizeModel(model), dtype=np.uint8)
+        mujoco.mj_saveModel(model, None, links)
+        parts = {each.name: getattr(self, each.name) for each in fields(self) if each.name not in _NO_MOTION}
+        told = repr({name: _content(part) for name, part in parts.items()}) + repr(self.tool)
+        return hashlib.sha256(links.tobytes() + told.encode()).hexdigest()
+
     @property
     def joint_unit(self) -> str:
         """Unit of the joints, "rad" or "m"; that of most of them, where they differ."""
@@ -121,3 +138,12 @@ class Robot:
             ValueError: the file is broken, or has not what is named; what there is, is told.
         """
         return cls(**made_from_file(path, joints, tool, home, flexible, friction, hardware, redundant))
+
+
+def _content(part: Any) -> Any:
+    """A field, exactly: arrays as lists of numbers, parameters by the names of their fields."""
+    if isinstance(part, np.ndarray):
+        return part.tolist()
+    if is_dataclass(part):
+        return {name: _content(value) for name, value in vars(part).items()}
+    return part

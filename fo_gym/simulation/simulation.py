@@ -115,6 +115,7 @@ class Simulation:
             stiffness=np.array([scenario.believed.stiffness for scenario in self.scenarios]),
             torque_limit=np.broadcast_to(self.torque_limit, (self.num_envs, self.dof)).copy(),
             control_dt=self.settings.step_dt,
+            identified=None if self.robot.identified is None else replace(self.robot.identified),  # a copy
         )
 
     def reset(self, ids: Ids, generators: Sequence[np.random.Generator], options: Options | None = None) -> None:

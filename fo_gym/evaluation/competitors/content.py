@@ -38,7 +38,7 @@ _COMPUTES = ("fo_gym.evaluation.runs.trial", f"{_GUARD}.boot", f"{_GUARD}.server
 _ENVIRONMENTS = Path(__file__).parents[2] / "envs"
 _LONGEST_NAME = 200
 
-__all__ = ["SUITE", "Content", "content_of", "digest", "suite"]
+__all__ = ["SUITE", "Content", "content_of", "content_of_source", "digest", "suite"]
 
 
 def digest(content: Any) -> str:
@@ -213,11 +213,18 @@ def content_of(spec: str) -> Content:
         Its files and the versions of the packages that they import; nothing for what cannot be found.
     """
     if module := _module(spec):
-        return _content(_follow([module], _own(module.partition(".")[0])))
+        return content_of_source(module)
     named = spec_of(spec)
     if named.kind != "file" or not os.path.isfile(named.where):
         return Content({}, {})
-    path = Path(named.where)
+    return content_of_source(named.where)
+
+
+def content_of_source(source: str) -> Content:
+    """What a module, or a file that ends with .py, consists of."""
+    if not source.endswith(".py"):
+        return _content(_follow([source], _own(source.partition(".")[0])))
+    path = Path(source)
     sources = _follow(_imports(path, ""), _own(""))
     sources.files[path.name] = path
     return _content(sources)

@@ -9,10 +9,10 @@ from typing import Any, cast
 
 import gymnasium as gym
 import numpy as np
-from gymnasium.envs.registration import load_env_creator
 from numpy.typing import NDArray
 
 from fo_gym.compensators import Compensator, Ideal
+from fo_gym.envs.registry import environment_of
 from fo_gym.envs.vector import JointVectorEnv
 from fo_gym.evaluation.episode.calls import checked_estimate, checked_reset
 from fo_gym.evaluation.episode.record import Episode, Motion
@@ -138,17 +138,6 @@ class Recording:
         )
 
 
-def _check_suite(env_id: str) -> None:
-    """Raise ValueError for an environment that is not registered, or whose episodes cannot be scored."""
-    try:
-        entry = gym.spec(env_id).vector_entry_point
-        creator: Any = load_env_creator(entry) if isinstance(entry, str) else entry
-    except gym.error.Error as error:
-        raise ValueError(f"unknown environment {env_id!r}: {error}; `fo-gym list` names those there are") from error
-    if not (isinstance(creator, type) and issubclass(creator, JointVectorEnv)):
-        raise ValueError(f"{env_id!r} is not an environment of flexible joints; `fo-gym list` names those there are")
-
-
 def record(
     compensator: Compensator,
     name: str,
@@ -175,7 +164,7 @@ def record(
     kwargs = {**env_kwargs, "feedback": compensator.feedback}
     if type(compensator) is Ideal:
         kwargs["friction"] = FRICTIONLESS
-    _check_suite(env_id)
+    env_id = environment_of(env_id).id
     env = cast("JointVectorEnv", gym.make_vec(env_id, num_envs=len(seeds), variant=variant, **kwargs).unwrapped)
     env.reset(seed=list(seeds))
     if at_start is not None:

@@ -25,7 +25,7 @@ Signals = Mapping[str, NDArray[np.float32]]
 BUCKETS = 700
 """Parts of equal length that an episode is cut into; each leaves at most three ticks."""
 
-_ROW = ["env", "variant", "compensator", "seed"]
+_ROW = ["env", "robot", "variant", "compensator", "seed"]
 _INDEX = ["status", "frr", "joint_unit", "origin", "competitor_hash", "protocol"]
 
 __all__ = ["BUCKETS", "Trace", "kept_ticks", "traces_of", "write_traces"]
@@ -36,7 +36,7 @@ class Trace:
     """One episode, thinned.
 
     Attributes:
-        env, variant, compensator, seed: which.
+        env, robot, variant, compensator, seed: which.
         place: where its frr stands among the episodes of the run: "worst", "median" or "best"; "median" if alone.
         frr: its friction rejection ratio.
         joint_unit: "m" or "rad".
@@ -47,6 +47,7 @@ class Trace:
     """
 
     env: str
+    robot: str
     variant: str
     compensator: str
     seed: int
@@ -99,6 +100,7 @@ def traces_of(name: str, scores: pd.DataFrame, recording: Recording, references:
         found.append(
             Trace(
                 env=str(row["env"]),
+                robot=str(row["robot"]),
                 variant=str(row["variant"]),
                 compensator=name,
                 seed=int(row["seed"]),
@@ -153,8 +155,8 @@ def write_traces(traces: Sequence[Trace], episodes: pd.DataFrame, folder: Path) 
     rows = dict(zip(keys, episodes[_INDEX].to_dict("records"), strict=True))
     index = []
     for trace in traces:
-        key = (trace.env, trace.variant, trace.compensator, trace.seed)
-        file = f"{trace.env}/{trace.variant}/{_stem(trace.compensator)}.{trace.place}.npz"
+        key = (trace.env, trace.robot, trace.variant, trace.compensator, trace.seed)
+        file = f"{trace.env}/{_stem(trace.robot)}/{trace.variant}/{_stem(trace.compensator)}.{trace.place}.npz"
         content = io.BytesIO()
         np.savez_compressed(content, **trace.signals)  # type: ignore[arg-type]
         atomic(folder / file, content.getvalue())

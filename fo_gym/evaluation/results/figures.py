@@ -17,7 +17,7 @@ from fo_gym.evaluation.results.leaderboard import leaderboard
 from fo_gym.evaluation.results.style import BLUE, ORANGE, VERMILLION, label
 from fo_gym.evaluation.results.tables import marked
 from fo_gym.evaluation.results.trace_figure import trace_figure
-from fo_gym.evaluation.runs.episodes import SET
+from fo_gym.evaluation.runs.episodes import SET, label_of, place_of
 from fo_gym.evaluation.runs.run import Results
 from fo_gym.files import draft_of
 from fo_gym.specs import BUILT_IN
@@ -44,7 +44,9 @@ def ranking_figure(table: pd.DataFrame) -> Figure:
         table: rows as `leaderboard` gives them.
     """
     table = table[~table["compensator"].isin(BUILT_IN)]
-    envs, variants = list(table["env"].unique()), list(table["variant"].unique())
+    sets = list(table[SET].drop_duplicates().itertuples(index=False, name=None))
+    envs = list(dict.fromkeys(place_of(env, robot) for env, robot, _ in sets))
+    variants = list(dict.fromkeys(variant for _, _, variant in sets))
     rows = max(len(group) for _, group in table.groupby(SET))
     size = (_WIDTH * len(envs), (_ROW * rows + _AROUND) * len(variants) + 0.3)
     figure = Figure(figsize=size, layout="constrained")
@@ -52,9 +54,9 @@ def ranking_figure(table: pd.DataFrame) -> Figure:
     axes = figure.subplots(len(variants), len(envs), squeeze=False, sharex=True)
     limits = _limits(table)
     for key, group in table.groupby(SET, sort=False):
-        axis: Axes = axes[variants.index(key[1]), envs.index(key[0])]
+        axis: Axes = axes[variants.index(key[2]), envs.index(place_of(*key[:2]))]
         _draw_ranking(axis, group.sort_values("frr", na_position="first", kind="stable"), limits)
-        axis.set_title(f"{key[0]}, {key[1]}", fontsize="medium")
+        axis.set_title(label_of(*key), fontsize="medium")
     origins = [origin for origin in _COLORS if (table["origin"] == origin).any()]
     _add_legend(figure, origins, ncols=3 * len(envs))
     return figure
@@ -134,8 +136,9 @@ def figures(results: Results, folder: Path, table: pd.DataFrame | None = None) -
     origins = dict(zip(table["compensator"], table["origin"], strict=True))
     drawn = {"ranking": ranking_figure(table)}
     nominal = [trace for trace in results.traces if trace.variant == NOMINAL]
-    for env in dict.fromkeys(trace.env for trace in nominal):
-        drawn[env] = trace_figure([trace for trace in nominal if trace.env == env], origins)
+    for place in dict.fromkeys(place_of(trace.env, trace.robot) for trace in nominal):
+        there = [trace for trace in nominal if place_of(trace.env, trace.robot) == place]
+        drawn[place.replace(" ", "-")] = trace_figure(there, origins)
     paths = []
     with mpl.rc_context({"savefig.dpi": 110}):
         for name, figure in drawn.items():

@@ -23,7 +23,7 @@ from fo_gym.evaluation.results.statistics import (
     tied,
     tied_groups,
 )
-from fo_gym.evaluation.runs.episodes import FAILED, KEY, OK, SET, TERMINATED
+from fo_gym.evaluation.runs.episodes import FAILED, KEY, OK, SET, TERMINATED, place_of
 from fo_gym.evaluation.runs.provenance import is_provenance
 from fo_gym.specs import BUILT_IN, spec_of
 
@@ -55,7 +55,7 @@ def is_baseline(name: str, origin: str, *, learned: bool) -> bool:
 
 
 def leaderboard(episodes: pd.DataFrame) -> pd.DataFrame:
-    """One row per environment, variant and competitor, in the order of `episodes`.
+    """One row per environment, robot, variant and competitor, in the order of `episodes`.
 
     Metrics are interquartile means over the seeds; frr has a 95 % bootstrap interval.
 
@@ -63,8 +63,8 @@ def leaderboard(episodes: pd.DataFrame) -> pd.DataFrame:
         episodes: rows as `evaluate` gives them.
 
     Returns:
-        env, variant, compensator, status, error, episodes, frr, frr_ci_low, frr_ci_high, `STANDING` (see `standings`),
-        the other metrics, joint_unit, provenance.
+        env, robot, variant, compensator, status, error, episodes, frr, frr_ci_low, frr_ci_high, `STANDING` (see
+        `standings`), the other metrics, joint_unit, provenance.
     """
     others = [metric for metric in METRICS if metric != "frr"]
     table = []
@@ -78,7 +78,7 @@ def leaderboard(episodes: pd.DataFrame) -> pd.DataFrame:
 
 
 def overall(episodes: pd.DataFrame) -> pd.DataFrame:
-    """One row per variant and competitor over all environments of the variant, each of which counts the same.
+    """One row per variant and competitor over all environments and robots of the variant, each counting the same.
 
     frr is the mean over the environments of the interquartile means; intervals resample the seeds within each
     environment on its own. (Both arm environments draw the same arm from the same seed; at a correlation of 0.5
@@ -89,14 +89,14 @@ def overall(episodes: pd.DataFrame) -> pd.DataFrame:
         episodes: rows as `evaluate` gives them.
 
     Returns:
-        The columns of `leaderboard` without the other metrics and joint_unit; env is "overall".
+        The columns of `leaderboard` without the other metrics and joint_unit; env is "overall", robot "".
     """
     table, compared = [], list[_Row]()
     for variant, rows in episodes.groupby("variant", sort=False):
-        if rows["env"].nunique() < 2:
+        strata = [_by_seed(part) for _, part in rows.groupby(SET, sort=False)]
+        if len(strata) < 2:
             continue
-        strata = [_by_seed(part) for _, part in rows.groupby("env", sort=False)]
-        label = [OVERALL, str(variant)]
+        label = [OVERALL, "", str(variant)]
         for name, group in rows.groupby("compensator", sort=False):
             headline = _headline(group, [values[name].to_numpy() for values in strata], [*label, str(name)])
             table.append({**dict(zip(KEY, [*label, str(name)], strict=True)), **headline, **_told(group, [])})
@@ -107,7 +107,7 @@ def overall(episodes: pd.DataFrame) -> pd.DataFrame:
 
 
 def standings(episodes: pd.DataFrame) -> pd.DataFrame:
-    """Rank and comparisons of every competitor in its set (environment and variant), by frr.
+    """Rank and comparisons of every competitor in its set (environment, robot and variant), by frr.
 
     Built-in references and rows without a score are left out. All intervals are 95 % bootstrap intervals over the
     seeds; differences are paired, seed by seed, and positive where the row is better than what it is compared with.
@@ -118,7 +118,7 @@ def standings(episodes: pd.DataFrame) -> pd.DataFrame:
         episodes: rows as `evaluate` gives them.
 
     Returns:
-        env, variant, compensator, and, best first in every set:
+        env, robot, variant, compensator, and, best first in every set:
         rank (1 = best, equal values share the better one), rank_ci_low, rank_ci_high;
         tied_group: letters; the interval of the paired difference of two rows holds zero where they share one;
         verdict: "best", "tied" (with the best) or "behind";
@@ -131,9 +131,9 @@ def standings(episodes: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(compared, columns=[*KEY, *STANDING])
 
 
-def _generator(*names: str) -> np.random.Generator:
-    """A generator of its own for every number, so that adding a competitor leaves the other intervals alone."""
-    digest = hashlib.sha256("/".join(names).encode("utf-8", "surrogatepass")).digest()
+def _generator(env_id: str, robot: str, *names: str) -> np.random.Generator:
+    """A generator of its own for every number, so that adding a competitor or a robot leaves other intervals alone."""
+    digest = hashlib.sha256("/".join([place_of(env_id, robot), *names]).encode("utf-8", "surrogatepass")).digest()
     return np.random.default_rng(int.from_bytes(digest[:8], "little"))
 
 

@@ -5,19 +5,22 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from fo_gym.checks import choice, instance, shown
-from fo_gym.envs.registry import known_environments
+from fo_gym.envs.registry import environment_of, known_environments
 from fo_gym.evaluation.competitors.competitor import Competitor
 from fo_gym.evaluation.competitors.entry import check_names, competitor_of
 from fo_gym.evaluation.runs.episodes import KEY, SET, EpisodeSet
 from fo_gym.evaluation.runs.protocol import load_protocol, shipped_protocols
 from fo_gym.evaluation.runs.run import Contest
 from fo_gym.files import read_csv
+from fo_gym.robots import robot_of, shipped_robots
 from fo_gym.specs import BUILT_IN
 from fo_gym.tasks.variants import VARIANTS
 
@@ -93,12 +96,28 @@ def sampled(table: pd.DataFrame, sample: int, seed: int) -> pd.DataFrame:
     return table.merge(runs, on=KEY)
 
 
+def _protocol_of(table: pd.DataFrame, protocol: str | Path | None) -> str | Path | None:
+    """The protocol of these rows: the one that is named, or the shipped one of their name."""
+    stamp = str(table["protocol"].iloc[0]).partition("@")[0]
+    return protocol if protocol is not None else stamp if stamp in shipped_protocols() else None
+
+
+def _arguments(env_id: str, robot: str, robots: Mapping[str, str]) -> dict[str, Any]:
+    """Arguments of the environment that bring it the robot of a row. Raises ValueError where it is not known here."""
+    if robot == robot_of(environment_of(env_id).robot).name:
+        return {}
+    if robot not in robots and robot not in shipped_robots():
+        raise ValueError(
+            f"robot {shown(robot)} is not known here; name the protocol that lists it, or run this where its file is"
+        )
+    return {"robot": replace(robot_of(robots.get(robot, robot)), name=robot)}
+
+
 def _known(
     table: pd.DataFrame, submissions: Sequence[Competitor], protocol: str | Path | None
 ) -> dict[str, Competitor]:
     """Competitors by the names that the rows give them: submissions, and entries that the protocol names by path."""
-    stamp = str(table["protocol"].iloc[0]).partition("@")[0]
-    file = protocol if protocol is not None else stamp if stamp in shipped_protocols() else None
+    file = _protocol_of(table, protocol)
     named = [] if file is None else [competitor_of(name) for name in load_protocol(file).compensators]
     everybody = [*(each for each in named if each.name not in BUILT_IN), *submissions]
     check_names(everybody)
@@ -123,9 +142,11 @@ def contests_of(
         ValueError: the protocol or an entry cannot be read, or a competitor is nowhere.
     """
     known = _known(table, submissions, protocol)
+    file = _protocol_of(table, protocol)
+    robots = {} if file is None else load_protocol(file).robots
     contests = []
     for key, rows in table.groupby(SET, sort=False):
-        env_id, variant = (str(part) for part in key)
+        env_id, robot, variant = (str(part) for part in key)
         seeds = tuple(int(seed) for seed in rows["seed"].unique())
         names = [str(name) for name in rows["compensator"].unique() if name not in BUILT_IN]
         competitors = tuple(known.get(name) or competitor_of(name) for name in names)
@@ -135,5 +156,5 @@ def contests_of(
                     f"competitor {shown(each.name)} is not known here; install its package, run this where its file "
                     "is, or name its entry: the folder of submissions, or the protocol that lists it"
                 )
-        contests.append(Contest(EpisodeSet(env_id, variant, seeds, {}), competitors))
+        contests.append(Contest(EpisodeSet(env_id, variant, seeds, _arguments(env_id, robot, robots)), competitors))
     return contests

@@ -157,11 +157,14 @@ class Plan:
     def table(self, results: Results) -> pd.DataFrame:
         """The rows of all sets of gains, those that were refused included; see `sweep`."""
         everything = pd.concat([results.episodes, *self._refused], ignore_index=True)
-        sets = [(contest.episodes.env_id, contest.episodes.variant) for contest in self.contests]
+        sets = [
+            (contest.episodes.env_id, contest.episodes.robot.name, contest.episodes.variant)
+            for contest in self.contests
+        ]
         runs = dict(iter(everything.groupby(KEY, sort=False)))
         rows = pd.concat([runs[*each, name] for each in sets for name in self._gains], ignore_index=True)
         for number, gain in enumerate(self._grid.gains):
-            rows.insert(3 + number, gain, [self._gains[name][gain] for name in rows["compensator"]])
+            rows.insert(len(KEY) + number, gain, [self._gains[name][gain] for name in rows["compensator"]])
         return rows.assign(compensator=competitor_of(self._grid.spec).name)
 
 

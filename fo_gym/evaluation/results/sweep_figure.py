@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from fo_gym.evaluation.results.style import label
 from fo_gym.evaluation.results.sweep import summary_of
+from fo_gym.evaluation.runs.episodes import SET, label_of
 
 _SIZE = (4.6, 3.4)
 
@@ -30,12 +31,12 @@ def sweep_figure(table: pd.DataFrame, gains: Sequence[str]) -> Figure:
     if len(gains) > 2:
         raise ValueError(f"a sweep over {len(gains)} gains, {', '.join(gains)}, is not drawn; sweep one or two")
     summary = summary_of(table, gains)
-    panels = list(summary.groupby(["env", "variant"], sort=False))
+    panels = list(summary.groupby(SET, sort=False))
     figure = Figure(figsize=(_SIZE[0] * len(panels), _SIZE[1]), layout="constrained")
     for axis, (key, rows) in zip(figure.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
         draw = _curve if len(gains) == 1 else _map
         draw(axis, rows, gains)
-        axis.set_title(f"{label(table['compensator'].iloc[0])}: {key[0]}, {key[1]}", fontsize="medium")
+        axis.set_title(f"{label(table['compensator'].iloc[0])}: {label_of(*key)}", fontsize="medium")
     return figure
 
 

@@ -9,7 +9,7 @@ import pandas as pd
 
 from fo_gym.evaluation.competitors.competitor import SUBMISSION, YOURS, Competitor
 from fo_gym.evaluation.results.leaderboard import leaderboard, overall
-from fo_gym.evaluation.runs.episodes import OK, SET
+from fo_gym.evaluation.runs.episodes import OK, SET, label_of, place_of
 from fo_gym.specs import BUILT_IN
 from fo_gym.text import MESSAGE_LIMIT, NAME_LIMIT, markdown_code, markdown_table, markdown_text, one_line
 
@@ -114,7 +114,7 @@ def rankings(episodes: pd.DataFrame, table: pd.DataFrame | None = None) -> Itera
             shown = [entry for entry in shown if not entry[0].endswith("_ju")]
         unit = next((unit for unit in group["joint_unit"] if unit), "")
         named = [(column, heading.format(unit=unit), factor) for column, heading, factor in shown]
-        yield _ranking(f"{key[0]}, {key[1]}", group, named)
+        yield _ranking(label_of(*key), group, named)
 
 
 def _ranking(title: str, rows: pd.DataFrame, shown: list[tuple[str, str, float]]) -> Ranking:
@@ -140,12 +140,13 @@ def finding(table: pd.DataFrame, variant: str) -> str:
     if not len(rows):
         known = ", ".join(map(str, table["variant"].unique()))
         raise ValueError(f"the table has no variant {variant!r}; it has {known}")
-    envs = rows["env"].unique()
-    leaders = [_leaders(str(env), rows[rows["env"] == env]) for env in envs]
+    rows = rows.assign(place=[place_of(env, robot) for env, robot in rows[["env", "robot"]].itertuples(index=False)])
+    places = rows["place"].unique()
+    leaders = [_leaders(str(place), rows[rows["place"] == place]) for place in places]
     beaten: dict[str, list[str]] = {"everywhere": []}
     for _, group in rows[rows["verdict"] == "behind"].groupby("compensator", sort=False):
-        lost = [str(env) for env in group["env"]]
-        where = "everywhere" if len(lost) == len(envs) > 1 else "on " + _listed(lost)
+        lost = [str(place) for place in group["place"]]
+        where = "everywhere" if len(lost) == len(places) > 1 else "on " + _listed(lost)
         beaten.setdefault(where, []).extend(_codes(group.head(1)))
     losers = "; ".join(f"{where}: {', '.join(names)}" for where, names in beaten.items() if names) or "nobody"
     unscored = _codes(rows[rows["frr"].isna()].drop_duplicates("compensator"))
@@ -153,12 +154,12 @@ def finding(table: pd.DataFrame, variant: str) -> str:
     return f"In `{variant}`, {'; '.join(leaders)}. Beaten by the best (95 % interval without zero): {losers}."
 
 
-def _leaders(env: str, rows: pd.DataFrame) -> str:
-    """Who is best on an environment, and with whom."""
+def _leaders(place: str, rows: pd.DataFrame) -> str:
+    """Who is best somewhere, and with whom."""
     best, tied = (_codes(rows[rows["verdict"] == verdict]) for verdict in ("best", "tied"))
     if not best:
-        return f"nobody has a score on {env}"
-    return f"{best[0]} is best on {env}, tied with {_listed(tied) if tied else 'nobody'}"
+        return f"nobody has a score on {place}"
+    return f"{best[0]} is best on {place}, tied with {_listed(tied) if tied else 'nobody'}"
 
 
 def _codes(rows: pd.DataFrame) -> list[str]:
@@ -185,7 +186,7 @@ def summary(table: pd.DataFrame) -> Ranking:
     sets = list(table[SET].drop_duplicates().itertuples(index=False, name=None))
     mean = frr.mean(axis=1, skipna=False).sort_values(ascending=False, kind="stable", na_position="last")
     frr = frr.loc[mean.index, sets]
-    headings = ["compensator", *(f"{env}, {variant}" for env, variant in sets)]
+    headings = ["compensator", *(label_of(*each) for each in sets)]
     origins = competitors.drop_duplicates("compensator").set_index("compensator")["origin"][frr.index]
     cells = [
         [marked(str(name), origin), *(_number(value, ".3f") for value in values)]

@@ -13,6 +13,7 @@ from fo_gym.evaluation.competitors.competitor import YOURS
 from fo_gym.evaluation.episode.trace import Trace
 from fo_gym.evaluation.results.style import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, label
 from fo_gym.evaluation.results.tables import marked
+from fo_gym.evaluation.runs.episodes import label_of
 from fo_gym.specs import BUILT_IN
 
 _MILLI = 1e3
@@ -59,7 +60,7 @@ def trace_figure(traces: Sequence[Trace], origins: Mapping[str, str]) -> Figure:
         _draw_joint(left, right, curves)
     shown = sum(trace.compensator not in BUILT_IN for trace, _, _ in curves)
     which = f": {shown} of {len(competitors)}, by FRR" if shown < len(competitors) else ""
-    left.set_title(f"{traces[0].env}, nominal{which}", fontsize="medium")
+    left.set_title(f"{label_of(traces[0].env, traces[0].robot, 'nominal')}{which}", fontsize="medium")
     for axis in (left, right):
         axis.grid(alpha=0.3)
     return figure

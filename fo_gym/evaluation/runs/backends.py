@@ -6,11 +6,13 @@ import importlib
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
+from dataclasses import dataclass
 from typing import Any, Literal, Protocol, TypeVar
 
 from joblib import Parallel, cpu_count, delayed
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
+from fo_gym.envs.registry import import_sources, sources
 from fo_gym.extras import install_command
 
 T = TypeVar("T")
@@ -46,15 +48,33 @@ class Backend(Protocol):
         """
 
 
-def _at(folder: str, function: Callable[..., T], *task: Any) -> T:
-    """Call a function in the folder that this run was started in: a worker may be older than that, or far away."""
-    with suppress(FileNotFoundError):
-        os.chdir(folder)
-    return function(*task)
+@dataclass(frozen=True)
+class _Home:
+    """Where a run was started: a worker may be older than that, or far away.
+
+    Attributes:
+        folder: the current one.
+        sources: what registered the environments of others.
+    """
+
+    folder: str
+    sources: tuple[str, ...]
+
+    @classmethod
+    def here(cls) -> _Home:
+        """This process'."""
+        return cls(os.getcwd(), sources())
+
+    def call(self, function: Callable[..., T], *task: Any) -> T:
+        """Call a function there."""
+        with suppress(FileNotFoundError):
+            os.chdir(self.folder)
+        import_sources(self.sources)
+        return function(*task)
 
 
-def _placed(place: int, folder: str, function: Callable[..., T], task: Task) -> tuple[int, T]:
-    return place, _at(folder, function, *task)
+def _placed(place: int, home: _Home, function: Callable[..., T], task: Task) -> tuple[int, T]:
+    return place, home.call(function, *task)
 
 
 class Processes:
@@ -85,7 +105,7 @@ class Processes:
     def _results(jobs: int, function: Callable[..., T], tasks: Mapping[int, Task]) -> Iterator[tuple[int, T]]:
         # Threads inside a worker would fight the other workers for the cores.
         parallel = Parallel(n_jobs=jobs, return_as="generator_unordered", inner_max_num_threads=1)
-        here = os.getcwd()
+        here = _Home.here()
         yield from parallel(delayed(_placed)(place, here, function, task) for place, task in tasks.items())
 
 
@@ -101,14 +121,14 @@ class RayWorkers:
 
     def run(self, function: Callable[..., T], tasks: Sequence[Task]) -> Iterator[tuple[int, T | None]]:
         """See `Backend`. A task whose worker dies is started again `RETRIES` times. Raises BackendError."""
-        remote = self._ray.remote(max_retries=RETRIES)(_at)
+        remote = self._ray.remote(max_retries=RETRIES)(_Home.call)
         shared: dict[int, Any] = {}
         running = {}
         for place, task in enumerate(tasks):
             for part in task:  # what several tasks share travels once
                 if id(part) not in shared:
                     shared[id(part)] = self._ray.put(part)
-            running[remote.remote(os.getcwd(), function, *(shared[id(part)] for part in task))] = place
+            running[remote.remote(_Home.here(), function, *(shared[id(part)] for part in task))] = place
         while running:
             (done,), _ = self._ray.wait(list(running), num_returns=1)
             yield running.pop(done), self._result(done)

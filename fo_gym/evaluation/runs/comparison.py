@@ -72,7 +72,7 @@ class Comparison:
     """A published row beside the same row computed now.
 
     Attributes:
-        row: env, variant, compensator and seed.
+        row: env, robot, variant, compensator and seed.
         differences: the cells that differ.
         versions: the same for the versions and the competitor's hash.
         processors: that of the published row, "" where it is not known, and that of here.
@@ -88,7 +88,7 @@ class Comparison:
     @property
     def variant(self) -> str:
         """The variant that the row is of."""
-        return self.row[1]
+        return self.row[2]
 
     @property
     def elsewhere(self) -> bool:

@@ -9,18 +9,32 @@ from typing import Any
 import pandas as pd
 
 from fo_gym.compensators import Compensator, Ideal, NoCompensation
+from fo_gym.envs.registry import ENVIRONMENTS, environment_of
 from fo_gym.evaluation.episode.recording import Recording, References, record
 from fo_gym.evaluation.metrics import METRICS, score
 from fo_gym.evaluation.runs.provenance import provenance
+from fo_gym.robots import Robot, robot_of
 
 OK, TERMINATED, FAILED = "ok", "terminated", "failed"
 
-SET = ["env", "variant"]
+SET = ["env", "robot", "variant"]
 """Columns that name a set of episodes."""
 KEY = [*SET, "compensator"]
 """Columns that name a run: a competitor on a set of episodes."""
 
-__all__ = ["FAILED", "KEY", "OK", "SET", "TERMINATED", "EpisodeSet", "failed_rows", "references_of", "rows"]
+__all__ = [
+    "FAILED",
+    "KEY",
+    "OK",
+    "SET",
+    "TERMINATED",
+    "EpisodeSet",
+    "failed_rows",
+    "label_of",
+    "place_of",
+    "references_of",
+    "rows",
+]
 
 
 @dataclass(frozen=True)
@@ -41,9 +55,30 @@ class EpisodeSet:
     env_kwargs: Mapping[str, Any]
     traced: bool = False
 
+    @property
+    def robot(self) -> Robot:
+        """The robot of these episodes: the one that is named, or the environment's own."""
+        return robot_of(self.env_kwargs.get("robot") or environment_of(self.env_id).robot)
+
+    @property
+    def label(self) -> str:
+        """What to call them."""
+        return label_of(self.env_id, self.robot.name, self.variant)
+
     def record(self, compensator: Compensator, name: str) -> Recording:
         """Run `compensator` on these episodes."""
         return record(compensator, name, self.env_id, self.variant, self.seeds, self.env_kwargs)
+
+
+def place_of(env_id: object, robot: object) -> str:
+    """Where episodes are, for a reader: the environment, and the robot where it is not the environment's own."""
+    known = ENVIRONMENTS.get(str(env_id))
+    return str(env_id) if robot in ("", known.robot if known is not None else "") else f"{env_id} on {robot}"
+
+
+def label_of(env_id: object, robot: object, variant: object) -> str:
+    """A set of episodes, for a reader."""
+    return f"{place_of(env_id, robot)}, {variant}"
 
 
 def references_of(episodes: EpisodeSet) -> tuple[Recording, Recording]:
@@ -63,6 +98,7 @@ def rows(
         table.append(
             {
                 "env": episodes.env_id,
+                "robot": episodes.robot.name,
                 "variant": episodes.variant,
                 "compensator": name,
                 "seed": seed,
@@ -78,7 +114,7 @@ def rows(
 
 def failed_rows(episodes: EpisodeSet, name: str, error: str, protocol: str = "") -> pd.DataFrame:
     """Rows of a competitor that could not be run: no scores, and why."""
-    row = {"env": episodes.env_id, "variant": episodes.variant, "compensator": name}
+    row = {"env": episodes.env_id, "robot": episodes.robot.name, "variant": episodes.variant, "compensator": name}
     scores = dict.fromkeys(METRICS, float("nan"))
     return pd.DataFrame(
         {**row, "seed": seed, "status": FAILED, "error": error, **scores, "joint_unit": "", **provenance(protocol)}

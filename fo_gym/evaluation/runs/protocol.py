@@ -5,12 +5,14 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, fields
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
-from fo_gym.checks import choice, shown, text
-from fo_gym.envs.registry import known_environments
+from fo_gym.checks import choice, instance, shown, text
+from fo_gym.envs.registry import Environment, environment_of
 from fo_gym.evaluation.runs.seeds import LEADERBOARD_SEEDS, VALIDATION_SEEDS, first, seeds_for
 from fo_gym.tasks.variants import VARIANTS
 from fo_gym.toml import read_toml
@@ -28,10 +30,12 @@ class Protocol:
         name: what to call it.
         split: "leaderboard" or "validation", whose seeds are used.
         seeds: episodes of each variant; of one without randomness a single one is run (`seeds_for`).
-        environments: registered ids.
+        environments: registered ids, or "file.py:ID" and "module:ID" of one's own.
         variants: variants of each.
         compensators: registered names, "module:Class", "file.py:Class", or entries: the name of a shipped one, or
             the path of a TOML file. `none` and `ideal` run always.
+        robots: by the names that tables call them, shipped robots or files, on each of which the environments for arms
+            run; without any they run on their own.
     """
 
     name: str
@@ -40,21 +44,15 @@ class Protocol:
     environments: tuple[str, ...]
     variants: tuple[str, ...]
     compensators: tuple[str, ...]
+    robots: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not isinstance(self.seeds, int) or isinstance(self.seeds, bool):
             raise ValueError(f"protocol {self.name!r}: seeds is {shown(self.seeds)}; it must be a whole number")
         text("protocol: name", self.name)
         choice(f"protocol {self.name!r}: split", self.split, SPLITS)
-        for what, values, allowed in (
-            ("environment", self.environments, known_environments()),
-            ("variant", self.variants, VARIANTS),
-        ):
-            for value in values:
-                if value not in allowed:
-                    raise ValueError(
-                        f"protocol {self.name!r}: unknown {what} {value!r}; known are {', '.join(allowed)}"
-                    )
+        for value in self.variants:
+            choice(f"protocol {self.name!r}: variant", value, VARIANTS)
         for what, names in (
             ("environments", self.environments),
             ("variants", self.variants),
@@ -65,6 +63,13 @@ class Protocol:
             if len(set(names)) != len(names):
                 raise ValueError(f"protocol {self.name!r}: {what} {list(names)} names one of them twice; leave one out")
         first(SPLITS[self.split], self.seeds)
+        rows = [_environment(self.name, name) for name in self.environments]
+        _check_table(f"protocol {self.name!r}: robots", self.robots)
+        if self.robots and not any("arm" in row.tags for row in rows):
+            raise ValueError(
+                f"protocol {self.name!r}: robots are {', '.join(self.robots)}, but {', '.join(self.environments)} take "
+                "none; add an environment for arms, such as FJRRegulation-v0, or leave robots out"
+            )
 
     def seeds_of(self, variant: str) -> tuple[int, ...]:
         """The seeds that a variant runs."""
@@ -73,8 +78,24 @@ class Protocol:
     @property
     def stamp(self) -> str:
         """Name and hash of the whole protocol; every row of the results carries it."""
-        content = json.dumps(asdict(self), sort_keys=True).encode()
+        told = {name: value for name, value in asdict(self).items() if name != "robots" or value}
+        content = json.dumps(told, sort_keys=True).encode()
         return f"{self.name}@{hashlib.sha256(content).hexdigest()[:12]}"
+
+
+def _environment(protocol: str, name: str) -> Environment:
+    try:
+        return environment_of(name)
+    except ValueError as error:
+        raise ValueError(f"protocol {protocol!r}: {error}") from error
+
+
+def _check_table(what: str, table: Any) -> None:
+    """Raise ValueError where it is no table from texts to texts."""
+    instance(what, table, Mapping)
+    for name, value in table.items():
+        text(f"{what}: a name", name)
+        text(f"{what}: {shown(name)}", value)
 
 
 def shipped_protocols() -> dict[str, Path]:
@@ -94,9 +115,9 @@ def load_protocol(file: str | Path) -> Protocol:
     if not os.path.isfile(path):
         raise ValueError(f"there is no protocol {shown(str(file))}; name a TOML file or one of {', '.join(shipped)}")
     content = read_toml("protocol", path)
-    expected = {field.name for field in fields(Protocol)}
-    if set(content) != expected:
-        missing, unknown = sorted(expected - set(content)), sorted(set(content) - expected)
+    allowed = {each.name for each in fields(Protocol)}
+    missing, unknown = sorted(allowed - {"robots"} - set(content)), sorted(set(content) - allowed)
+    if missing or unknown:
         raise ValueError(f"protocol {path}: missing keys {missing}, unknown keys {unknown}")
     for name in ("environments", "variants", "compensators"):
         if not isinstance(content[name], list):
@@ -108,4 +129,5 @@ def load_protocol(file: str | Path) -> Protocol:
         environments=tuple(content["environments"]),
         variants=tuple(content["variants"]),
         compensators=tuple(content["compensators"]),
+        robots=content.get("robots", {}),
     )

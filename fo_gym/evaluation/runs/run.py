@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import pandas as pd
 
+from fo_gym.envs.registry import environment_of
 from fo_gym.evaluation.competitors.competitor import Competitor
 from fo_gym.evaluation.competitors.entry import check_names, competitor_of
 from fo_gym.evaluation.episode.recording import References
@@ -16,6 +18,7 @@ from fo_gym.evaluation.runs.episodes import EpisodeSet
 from fo_gym.evaluation.runs.protocol import Protocol
 from fo_gym.evaluation.runs.store import Store
 from fo_gym.evaluation.runs.trial import IDEAL, NONE, Trial, failed_trial, reference_trials, trials_together
+from fo_gym.robots import robot_of
 from fo_gym.specs import BUILT_IN
 
 OnRun = Callable[[str], None]
@@ -27,7 +30,16 @@ ENDED = "it ended the process that it ran in"
 _Crew = tuple[int, tuple[int, ...]]
 """The number of a contest, and the places of those who share a batch of it."""
 
-__all__ = ["ENDED", "Contest", "Results", "competitors_of", "contests_in", "run_contests", "run_protocol"]
+__all__ = [
+    "ENDED",
+    "Contest",
+    "Results",
+    "competitors_of",
+    "contests_in",
+    "episodes_in",
+    "run_contests",
+    "run_protocol",
+]
 
 
 @dataclass(frozen=True)
@@ -94,11 +106,25 @@ def contests_in(protocol: Protocol, submissions: Sequence[Competitor] = (), *, t
         raise ValueError(
             f"protocol {protocol.name!r}: compensators is {list(protocol.compensators)}; name one besides references"
         )
-    return [
-        Contest(EpisodeSet(env_id, variant, protocol.seeds_of(variant), {}, traced), competitors)
-        for env_id in protocol.environments
-        for variant in protocol.variants
-    ]
+    return [Contest(episodes, competitors) for episodes in episodes_in(protocol, traced=traced)]
+
+
+def episodes_in(protocol: Protocol, *, traced: bool = False) -> list[EpisodeSet]:
+    """Every set of episodes of a protocol: each environment, for arms on each of its robots, in each variant.
+
+    Raises:
+        FileNotFoundError, ValueError: a robot cannot be had.
+    """
+    robots = [replace(robot_of(value), name=name) for name, value in protocol.robots.items()]
+    sets = []
+    for env in map(environment_of, protocol.environments):
+        kinds: list[dict[str, Any]] = [{"robot": robot} for robot in robots if "arm" in env.tags] or [{}]
+        sets += [
+            EpisodeSet(env.id, variant, protocol.seeds_of(variant), kind, traced)
+            for kind in kinds
+            for variant in protocol.variants
+        ]
+    return sets
 
 
 class _Runner:
@@ -133,7 +159,7 @@ class _Runner:
     def _tell(self, number: int, place: int, how: str = "") -> None:
         contest = self.contests[number]
         who = "none, ideal" if place <= 1 else contest.everybody[place].name
-        self.announce(f"{contest.episodes.env_id} {contest.episodes.variant}: {who}{how}")
+        self.announce(f"{contest.episodes.label}: {who}{how}")
 
     def _keep(self, number: int, place: int, trial: Trial) -> None:
         contest = self.contests[number]

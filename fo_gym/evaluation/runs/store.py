@@ -5,7 +5,8 @@ A file per trial, DIR/ENV/VARIANT/KEY.trial: the SHA-256 of the rest in hexadeci
 
 A trial that is kept without traces is computed again where they are asked for; one with traces serves either way.
 
-The key covers the environment, the variant, the seeds and arguments, the competitor's spec, gains, source and weights,
+The key covers the environment and the source of what registered it, the robot with its file, the variant, the seeds and
+arguments, the competitor's spec, gains, source and weights,
 the source of the suite that computes, the versions of the packages involved, and the kind of machine. It covers neither
 protocol nor names: two protocols share what they have in common. Not kept are failed trials, which are tried again, and
 those of a worker on another kind of machine.
@@ -25,8 +26,9 @@ from zipfile import BadZipFile
 import numpy as np
 import pandas as pd
 
+from fo_gym.envs.registry import environment_of
 from fo_gym.evaluation.competitors.competitor import Competitor
-from fo_gym.evaluation.competitors.content import digest, suite
+from fo_gym.evaluation.competitors.content import content_of_source, digest, suite
 from fo_gym.evaluation.episode.trace import Trace
 from fo_gym.evaluation.runs.episodes import EpisodeSet
 from fo_gym.evaluation.runs.processor import processor
@@ -45,10 +47,14 @@ def key_of(episodes: EpisodeSet, competitor: Competitor) -> str:
     everything = suite()
     # Whether traces are kept changes no row.
     met = {each.name: getattr(episodes, each.name) for each in fields(episodes) if each.name != "traced"}
+    met["env_kwargs"] = {name: value for name, value in episodes.env_kwargs.items() if name != "robot"}
+    environment = environment_of(episodes.env_id)
     return digest(
         {
             "format": _FORMAT,
             "episodes": met,
+            "robot": episodes.robot.fingerprint,
+            "environment": content_of_source(environment.source).files if environment.source else {},
             "spec": competitor.spec,
             "competitor": competitor.hash_on(episodes.env_id, episodes.variant),
             "packages": {**everything.versions, **competitor.content.versions, **versions()},

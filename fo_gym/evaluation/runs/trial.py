@@ -58,6 +58,7 @@ def _timing(episodes: EpisodeSet, name: str, recording: Recording) -> dict[str, 
     median, p99 = np.percentile(recording.seconds, [50, 99]) * 1e6
     return {
         "env": episodes.env_id,
+        "robot": episodes.robot.name,
         "variant": episodes.variant,
         "compensator": name,
         "num_envs": len(episodes.seeds),

@@ -52,8 +52,8 @@ def twin_contests(found: Iterable[Comparison], contests: Sequence[Contest]) -> l
     needed: list[tuple[EpisodeSet, tuple[Competitor, ...]]] = []
     for contest in contests:
         episodes = contest.episodes
-        rows = [row for row in asking if row[:2] == (episodes.env_id, episodes.variant)]
-        names, seeds = {row[2] for row in rows}, {int(row[3]) for row in rows}
+        rows = [row for row in asking if row[:3] == (episodes.env_id, episodes.robot.name, episodes.variant)]
+        names, seeds = {row[3] for row in rows}, {int(row[4]) for row in rows}
         if rows:
             some = replace(episodes, seeds=tuple(seed for seed in episodes.seeds if seed in seeds))
             needed.append((some, tuple(each for each in contest.competitors if each.name in names)))
@@ -91,5 +91,5 @@ def rows_of(table: pd.DataFrame) -> list[Row]:
 
 
 def key_of_row(row: Row) -> tuple[str, ...]:
-    """Env, variant, compensator and seed of a row."""
+    """Env, robot, variant, compensator and seed of a row."""
     return tuple(row[name] for name in (*KEY, "seed"))

@@ -1,6 +1,6 @@
 """What arXiv:1907.00553 says, statement by statement. Importing this registers them."""
 
-from fo_gym.reproduction.statement import CLAIMS
+from fo_gym.reproduction.claim import CLAIMS
 
 # In the order of the table.
 # isort: off

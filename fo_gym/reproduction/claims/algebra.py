@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from fo_gym.reproduction.loop import FRICTION
-from fo_gym.reproduction.reference import lugre
-from fo_gym.reproduction.statement import Finding, at_least, at_most, claim
-from fo_gym.reproduction.subject import Subject
+from fo_gym.certificate.cases import FRICTION
+from fo_gym.certificate.oracle import lugre
+from fo_gym.certificate.statement import Finding, at_least, at_most
+from fo_gym.certificate.subject import Subject
+from fo_gym.reproduction.claim import claim
 
 Array = NDArray[np.float64]
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.certificate.statement import Finding, at_least, at_most, near
+from fo_gym.certificate.subject import Subject
 from fo_gym.compensators import NoCompensation
 from fo_gym.parameters import FRICTIONLESS
+from fo_gym.reproduction.claim import claim
 from fo_gym.reproduction.loop import run_loop
 from fo_gym.reproduction.runs import PAPER, long_hold, square
-from fo_gym.reproduction.statement import Finding, at_least, at_most, claim, near
-from fo_gym.reproduction.subject import Subject
 from fo_gym.reproduction.team import Run
 
 Array = NDArray[np.float64]

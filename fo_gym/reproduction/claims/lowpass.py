@@ -9,11 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
+from fo_gym.certificate.cases import JOINT
+from fo_gym.certificate.statement import Finding, at_most
+from fo_gym.certificate.subject import Subject
 from fo_gym.parameters import FlexibleJoint
-from fo_gym.reproduction.loop import JOINT, run_loop
+from fo_gym.reproduction.claim import claim
+from fo_gym.reproduction.loop import run_loop
 from fo_gym.reproduction.runs import GAINS
-from fo_gym.reproduction.statement import Finding, at_most, claim
-from fo_gym.reproduction.subject import Subject
 
 Array = NDArray[np.float64]
 

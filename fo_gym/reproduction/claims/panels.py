@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from fo_gym.certificate.statement import Finding, at_least, at_most
+from fo_gym.certificate.subject import Subject
+from fo_gym.reproduction.claim import claim
 from fo_gym.reproduction.runs import panels
-from fo_gym.reproduction.statement import Finding, at_least, at_most, claim
-from fo_gym.reproduction.subject import Subject
 from fo_gym.reproduction.team import Run
 
 _HUNTS, _RESTS, _SETTLED = 1e-4, 1e-6, 1e-5

@@ -9,10 +9,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.certificate.statement import Finding, at_most
+from fo_gym.certificate.subject import Subject
+from fo_gym.reproduction.claim import claim
 from fo_gym.reproduction.loop import GAINS as PD
 from fo_gym.reproduction.loop import Motion, run_loop
-from fo_gym.reproduction.statement import Finding, at_most, claim
-from fo_gym.reproduction.subject import Subject
 
 Array = NDArray[np.float64]
 

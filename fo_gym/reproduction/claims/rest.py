@@ -7,14 +7,16 @@ from functools import lru_cache
 
 import numpy as np
 
+from fo_gym.certificate.cases import FRICTION
+from fo_gym.certificate.statement import Finding, at_least, at_most
+from fo_gym.certificate.subject import Subject
 from fo_gym.evaluation.episode.recording import record
 from fo_gym.evaluation.runs.seeds import VALIDATION_SEEDS, first
 from fo_gym.parameters import LuGre, PDGains
 from fo_gym.plant.rigid_body import RigidBody
-from fo_gym.reproduction.loop import FRICTION, Motion, run_loop
+from fo_gym.reproduction.claim import claim
+from fo_gym.reproduction.loop import Motion, run_loop
 from fo_gym.reproduction.runs import GAINS, STICTION, long_hold, panels, regulation
-from fo_gym.reproduction.statement import Finding, at_least, at_most, claim
-from fo_gym.reproduction.subject import Subject
 from fo_gym.reproduction.team import Run
 
 _JOINT = 1

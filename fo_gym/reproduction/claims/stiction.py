@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
+from fo_gym.certificate.cases import FRICTION, JOINT
+from fo_gym.certificate.statement import Finding, at_least, at_most
+from fo_gym.certificate.subject import Subject
 from fo_gym.compensators import Compensator
-from fo_gym.reproduction.loop import FRICTION, JOINT
+from fo_gym.reproduction.claim import claim
 from fo_gym.reproduction.runs import STICTION, panels
-from fo_gym.reproduction.statement import Finding, at_least, at_most, claim
-from fo_gym.reproduction.subject import Subject
 from fo_gym.reproduction.team import Run, run_team
 
 Array = NDArray[np.float64]

@@ -12,12 +12,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.certificate.cases import FRICTION, JOINT
+from fo_gym.certificate.statement import Finding, at_least, at_most
+from fo_gym.certificate.subject import Subject
 from fo_gym.compensators import Compensator
 from fo_gym.parameters import JointInfo
-from fo_gym.reproduction.loop import FRICTION, JOINT, run_loop
+from fo_gym.reproduction.claim import claim
+from fo_gym.reproduction.loop import run_loop
 from fo_gym.reproduction.runs import GAINS
-from fo_gym.reproduction.statement import Finding, at_least, at_most, claim
-from fo_gym.reproduction.subject import Subject
 from fo_gym.signals import Signals
 
 Array = NDArray[np.float64]

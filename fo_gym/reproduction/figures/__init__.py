@@ -9,10 +9,10 @@ from pathlib import Path
 from matplotlib import style as matplotlib_style
 from matplotlib.figure import Figure
 
+from fo_gym.certificate.subject import Subject
 from fo_gym.files import draft_of
 from fo_gym.reproduction.figures import convergence, lugre, motivating, panels, regulation, square
 from fo_gym.reproduction.figures.style import RC
-from fo_gym.reproduction.subject import Subject
 
 # No dates and no versions: the same figure is the same file.
 _METADATA: dict[str, dict[str, None]] = {

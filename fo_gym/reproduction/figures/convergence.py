@@ -11,11 +11,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from fo_gym.reproduction.cases import PERIOD, Case, paper_case
+from fo_gym.certificate.cases import PERIOD, Case, paper_case
+from fo_gym.certificate.steppers import Stepper, motion, plant, solver, twin
+from fo_gym.certificate.subject import Subject
 from fo_gym.reproduction.figures.precision import Point, arm_step, measure
 from fo_gym.reproduction.figures.style import BLACK, LINES, ORANGE, PURPLE, SKY, figure_of, letter
-from fo_gym.reproduction.steppers import Stepper, motion, plant, solver, twin
-from fo_gym.reproduction.subject import Subject
 
 TITLE = "Convergence and cost of the plant"
 CAPTION = (

@@ -7,10 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from fo_gym.reproduction.experiments import Trace, break_away, frictional_lag, hunting, presliding, stick_slip
-from fo_gym.reproduction.fidelity.lugre import BREAK_AWAY, LAG
+from fo_gym.certificate.experiments import Trace, break_away, frictional_lag, hunting, presliding, stick_slip
+from fo_gym.certificate.fidelity.lugre import BREAK_AWAY, LAG
+from fo_gym.certificate.subject import Subject
 from fo_gym.reproduction.figures.style import BLACK, KINDS, LINES, MICRO, MILLI, figure_of, letter, thin
-from fo_gym.reproduction.subject import Subject
 
 Array = NDArray[np.float64]
 

@@ -9,6 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from fo_gym.certificate.cases import FRICTION, JOINT
+from fo_gym.certificate.subject import Subject
 from fo_gym.reproduction.figures.style import (
     BLACK,
     LINES,
@@ -20,9 +22,7 @@ from fo_gym.reproduction.figures.style import (
     gains_label,
     thin,
 )
-from fo_gym.reproduction.loop import FRICTION, JOINT
 from fo_gym.reproduction.runs import panels
-from fo_gym.reproduction.subject import Subject
 from fo_gym.reproduction.team import Run
 
 Array = NDArray[np.float64]

@@ -9,9 +9,9 @@ from matplotlib.figure import Figure
 from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 
+from fo_gym.certificate.subject import Subject
 from fo_gym.reproduction.figures.style import BLACK, KINDS, LINES, MILLI, NAMES, figure_of, gains_label, kind_of, thin
 from fo_gym.reproduction.runs import GAINS, panels
-from fo_gym.reproduction.subject import Subject
 from fo_gym.reproduction.team import Run
 
 TITLE = "Simulations: the single link against stiction"

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.certificate.cases import ARM, OBSERVERS, PERIOD, Case
+from fo_gym.certificate.oracle import Arm
+from fo_gym.certificate.steppers import Stepper, motion
 from fo_gym.parameters import PDGains
-from fo_gym.reproduction.cases import ARM, OBSERVERS, PERIOD, Case
-from fo_gym.reproduction.reference import Arm
-from fo_gym.reproduction.steppers import Stepper, motion
 from fo_gym.tasks.regulation import regulation
 
 Array = NDArray[np.float64]

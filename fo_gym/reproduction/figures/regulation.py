@@ -6,9 +6,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
+from fo_gym.certificate.subject import Subject
 from fo_gym.reproduction.figures.style import KINDS, LINES, MILLI, NAMES, figure_of, gains_label, kind_of, thin
 from fo_gym.reproduction.runs import GAINS, regulation
-from fo_gym.reproduction.subject import Subject
 from fo_gym.reproduction.team import Run
 
 TITLE = "Regulation: joint 2 of the arm"

@@ -7,9 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from fo_gym.certificate.subject import Subject
 from fo_gym.reproduction.figures.style import BLACK, KINDS, LINES, MILLI, NAMES, figure_of, gains_label, kind_of, thin
 from fo_gym.reproduction.runs import GAINS, square
-from fo_gym.reproduction.subject import Subject
 from fo_gym.reproduction.team import Run
 
 Array = NDArray[np.float64]

@@ -110,6 +110,9 @@ class Guarded:
         """See `Compensator`. Raises RaisedError for what it raised, EndedError beyond a limit."""
         arrays = {name: getattr(joints, name).tolist() for name in ("motor_inertia", "stiffness", "torque_limit")}
         content = {"dof": joints.dof, "arrays": arrays, "dt": joints.control_dt, "num_envs": num_envs}
+        if joints.identified is not None:
+            friction = vars(joints.identified)
+            content["identified"] = {name: np.asarray(value).tolist() for name, value in friction.items()}
         self._in_time(RESET, content)
         self._begun = False
 

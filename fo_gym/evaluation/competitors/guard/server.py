@@ -15,7 +15,7 @@ from fo_gym.evaluation.competitors.guard.channel import BEGIN, DECLARE, DONE, RA
 from fo_gym.evaluation.competitors.guard.frames import place_of, traceback_of
 from fo_gym.evaluation.competitors.guard.memory import views
 from fo_gym.evaluation.episode.faults import LONGEST_TEXT
-from fo_gym.parameters import JointInfo
+from fo_gym.parameters import JointInfo, LuGre
 from fo_gym.signals import Signals
 
 _RESERVE = 16 << 20
@@ -44,7 +44,9 @@ class _Server:
 
     def _reset(self, content: Any) -> tuple[bytes, Any]:
         arrays = {name: np.array(values, dtype=np.float64) for name, values in content["arrays"].items()}
-        self._compensator.reset(JointInfo(content["dof"], **arrays, control_dt=content["dt"]), content["num_envs"])
+        identified = LuGre(**content["identified"]) if "identified" in content else None
+        joints = JointInfo(content["dof"], **arrays, control_dt=content["dt"], identified=identified)
+        self._compensator.reset(joints, content["num_envs"])
         return DONE, None
 
     def _begin(self, content: Any) -> tuple[bytes, Any]:

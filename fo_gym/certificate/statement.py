@@ -10,11 +10,11 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from fo_gym.reproduction.subject import Subject
+from fo_gym.certificate.subject import Subject
 
 Measure = Callable[[Subject], "Finding"]
 
-__all__ = ["CHECKS", "CLAIMS", "Finding", "Measure", "Statement", "at_least", "at_most", "check", "claim", "near"]
+__all__ = ["CHECKS", "Finding", "Measure", "Statement", "at_least", "at_most", "check", "near", "register"]
 
 
 @dataclass(frozen=True)
@@ -80,14 +80,13 @@ class Statement:
         return self.measure.__module__
 
 
-CLAIMS: dict[str, Statement] = {}
-"""Claims of the paper by id."""
-
 CHECKS: dict[str, Statement] = {}
 """Checks of the physics by id."""
 
 
-def _register(table: dict[str, Statement], id: str, source: str, text: str, fails: str) -> Callable[[Measure], Measure]:
+def register(table: dict[str, Statement], id: str, source: str, text: str, fails: str) -> Callable[[Measure], Measure]:
+    """Add the decorated measurement to a table. Raises ValueError where the id is taken."""
+
     def add(measure: Measure) -> Measure:
         if id in table:
             raise ValueError(f"two statements are called {id!r}")
@@ -97,11 +96,6 @@ def _register(table: dict[str, Statement], id: str, source: str, text: str, fail
     return add
 
 
-def claim(id: str, *, source: str, text: str, fails: str = "") -> Callable[[Measure], Measure]:
-    """Register a claim of the paper; see `Statement`."""
-    return _register(CLAIMS, id, source, text, fails)
-
-
 def check(id: str, *, source: str, text: str) -> Callable[[Measure], Measure]:
     """Register a check of the physics; see `Statement`."""
-    return _register(CHECKS, id, source, text, "")
+    return register(CHECKS, id, source, text, "")

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import odeint
 
+from fo_gym.certificate import experiments
+from fo_gym.certificate.experiments import SAMPLE, Trace
+from fo_gym.certificate.oracle import lugre
+from fo_gym.certificate.statement import Finding, at_most, check, near
+from fo_gym.certificate.subject import Subject
 from fo_gym.parameters import LuGre
-from fo_gym.reproduction import experiments
-from fo_gym.reproduction.experiments import SAMPLE, Trace
-from fo_gym.reproduction.reference import lugre
-from fo_gym.reproduction.statement import Finding, at_most, check, near
-from fo_gym.reproduction.subject import Subject
 
 Array = NDArray[np.float64]
 

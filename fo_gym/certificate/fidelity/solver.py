@@ -10,13 +10,13 @@ import numpy as np
 import pinocchio
 from numpy.typing import NDArray
 
+from fo_gym.certificate.cases import ARM, OBSERVERS, TWO_LINK, Case, arm_case, link_case, paper_case
+from fo_gym.certificate.oracle import pinocchio_model
+from fo_gym.certificate.statement import Finding, at_most, check, near
+from fo_gym.certificate.steppers import motion, plant, solver
+from fo_gym.certificate.subject import Subject
 from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.plant.steps import DEFAULT_PHYSICS_DT
-from fo_gym.reproduction.cases import ARM, OBSERVERS, TWO_LINK, Case, arm_case, link_case, paper_case
-from fo_gym.reproduction.reference import pinocchio_model
-from fo_gym.reproduction.statement import Finding, at_most, check, near
-from fo_gym.reproduction.steppers import motion, plant, solver
-from fo_gym.reproduction.subject import Subject
 from fo_gym.robots import LinkSide
 
 Array = NDArray[np.float64]

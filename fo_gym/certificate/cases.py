@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.parameters import FlexibleJoint, LuGre, per_joint
+from fo_gym.certificate.oracle import Arm, Control, SingleLink
+from fo_gym.parameters import FlexibleJoint, LuGre, one_joint, per_joint
 from fo_gym.plant import FlexibleJointPlant
-from fo_gym.reproduction.loop import FRICTION, JOINT
-from fo_gym.reproduction.reference import Arm, Control, SingleLink
 from fo_gym.robots import LinkSide, robot_of
 
 Array = NDArray[np.float64]
@@ -21,7 +20,11 @@ PERIOD = 1e-3
 """Control period of every case [s]."""
 
 ARM = robot_of("miro_like")
-LINK = robot_of("single_link").link_side
+_SINGLE = robot_of("single_link")
+LINK = _SINGLE.link_side
+JOINT: FlexibleJoint = one_joint(_SINGLE.flexible)
+FRICTION: LuGre = one_joint(_SINGLE.friction)
+"""The paper's single link."""
 
 TWO_LINK = LinkSide(Path(__file__).with_name("two_link.xml"), joints=("shoulder", "elbow"))
 """A planar arm of two links in the vertical plane."""
@@ -42,6 +45,8 @@ OBSERVERS: dict[str, dict[str, Any]] = {
 
 __all__ = [
     "ARM",
+    "FRICTION",
+    "JOINT",
     "LINK",
     "OBSERVERS",
     "PERIOD",

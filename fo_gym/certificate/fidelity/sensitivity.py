@@ -8,11 +8,11 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.reproduction.cases import Case, paper_case
-from fo_gym.reproduction.reference import SingleLink
-from fo_gym.reproduction.statement import Finding, Measure, at_least, check
-from fo_gym.reproduction.steppers import motion, plant, solver
-from fo_gym.reproduction.subject import Subject
+from fo_gym.certificate.cases import Case, paper_case
+from fo_gym.certificate.oracle import SingleLink
+from fo_gym.certificate.statement import Finding, Measure, at_least, check
+from fo_gym.certificate.steppers import motion, plant, solver
+from fo_gym.certificate.subject import Subject
 
 Array = NDArray[np.float64]
 

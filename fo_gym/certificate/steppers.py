@@ -8,8 +8,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.reproduction.cases import PERIOD, Case
-from fo_gym.reproduction.reference import ATOL, RTOL, sampled
+from fo_gym.certificate.cases import PERIOD, Case
+from fo_gym.certificate.oracle import ATOL, RTOL, sampled
 
 Array = NDArray[np.float64]
 

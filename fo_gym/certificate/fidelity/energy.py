@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.certificate.cases import ARM, PERIOD, WITHOUT_FRICTION, Case, arm_case
+from fo_gym.certificate.experiments import SAMPLE, Joint
+from fo_gym.certificate.oracle import Arm, lugre
+from fo_gym.certificate.statement import Finding, at_most, check, near
+from fo_gym.certificate.subject import Subject
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.plant.steps import DEFAULT_PHYSICS_DT, micro_steps
-from fo_gym.reproduction.cases import ARM, PERIOD, WITHOUT_FRICTION, Case, arm_case
-from fo_gym.reproduction.experiments import SAMPLE, Joint
-from fo_gym.reproduction.reference import Arm, lugre
-from fo_gym.reproduction.statement import Finding, at_most, check, near
-from fo_gym.reproduction.subject import Subject
 
 Array = NDArray[np.float64]
 

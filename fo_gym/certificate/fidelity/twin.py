@@ -7,11 +7,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.certificate.cases import ARM, Case, arm_case, paper_case
+from fo_gym.certificate.statement import Finding, at_most, check, near
+from fo_gym.certificate.steppers import motion, plant, twin
+from fo_gym.certificate.subject import Subject
 from fo_gym.plant.steps import DEFAULT_PHYSICS_DT
-from fo_gym.reproduction.cases import ARM, Case, arm_case, paper_case
-from fo_gym.reproduction.statement import Finding, at_most, check, near
-from fo_gym.reproduction.steppers import motion, plant, twin
-from fo_gym.reproduction.subject import Subject
 
 Array = NDArray[np.float64]
 

@@ -8,12 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import odeint
 
+from fo_gym.certificate.cases import FRICTION, JOINT, LINK, PERIOD
+from fo_gym.certificate.oracle import SingleLink
+from fo_gym.certificate.statement import Finding, at_most, check
+from fo_gym.certificate.subject import Subject
 from fo_gym.plant import FlexibleJointPlant
-from fo_gym.reproduction.cases import LINK, PERIOD
-from fo_gym.reproduction.loop import FRICTION, JOINT
-from fo_gym.reproduction.reference import SingleLink
-from fo_gym.reproduction.statement import Finding, at_most, check
-from fo_gym.reproduction.subject import Subject
 
 Array = NDArray[np.float64]
 
