@@ -12,13 +12,11 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from fo_gym.robots.file import mujoco_errors
-from fo_gym.robots.meshes import find_meshes, note_missing
+from fo_gym.robots.meshes import find_file, find_meshes, note_missing
 from fo_gym.robots.report import Notes
-
-Array = NDArray[np.float64]
+from fo_gym.robots.welding import SLIDE, weld
 
 _OFF = int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT | mujoco.mjtDisableBit.mjDSBL_CONTACT)
 
@@ -39,9 +37,12 @@ _NO_LINKS = (
 )
 _LOOKS = ("geoms", "meshes", "hfields", "materials", "textures", "cameras", "lights")
 
-HINGE, SLIDE = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
+HINGE = int(mujoco.mjtJoint.mjJNT_HINGE)
 
-__all__ = ["HINGE", "SLIDE", "compile_whole", "counts", "link_side_of"]
+ENDLESS = 1e6
+"""A range that reaches farther than this [m | rad] is none."""
+
+__all__ = ["ENDLESS", "HINGE", "SLIDE", "compile_whole", "counts", "link_side_of"]
 
 
 def counts(spec: mujoco.MjSpec) -> dict[str, int]:
@@ -68,6 +69,7 @@ def compile_whole(spec: mujoco.MjSpec, file: Path, notes: Notes, *, pictures: bo
             element.material = ""
         for kind in ("materials", "textures"):
             _delete(spec, kind)
+    _without_textures(spec, file)
     missing = find_meshes(spec, file)
     note_missing(missing, notes)
     _own_inertia(spec, file, missing, notes)
@@ -93,6 +95,8 @@ def _own_inertia(spec: mujoco.MjSpec, file: Path, missing: set[str], notes: Note
                 f"{file}: body {body.name!r} has no <inertial>, and its mesh {sorted(without)} is not found; "
                 "give it an <inertial>, or put the mesh where the file says"
             )
+    if not inferring:
+        return
     whole = spec.copy()
     whole.compiler.inertiafromgeom = how
     needed = {geom.meshname for body in inferring for geom in body.geoms}
@@ -122,6 +126,20 @@ def _compiled(spec: mujoco.MjSpec, file: Path, notes: Notes) -> mujoco.MjModel:
     notes.assumed("inertia", "one that no body has (A + B < C) was balanced: its three values became their mean")
     with mujoco_errors(file, "compile it"):
         return spec.compile()
+
+
+def _without_textures(spec: mujoco.MjSpec, file: Path) -> None:
+    """Take textures out whose files are not found; materials keep their colours."""
+    missing = set()
+    for texture in spec.textures:
+        files = [name for name in (texture.file, *texture.cubefiles) if name]
+        if not all(find_file(name, file, texture.compiler.texturedir or "") for name in files):
+            missing.add(texture.name)
+    for material in spec.materials:
+        material.textures = ["" if name in missing else name for name in material.textures]
+    for texture in list(spec.textures):
+        if texture.name in missing:
+            spec.delete(texture)
 
 
 def _without_meshes(spec: mujoco.MjSpec, meshes: set[str]) -> None:
@@ -172,7 +190,7 @@ def link_side_of(
     spec.option.disableflags |= _OFF
     spec.option.enableflags = 0
     model = spec.compile()
-    if _weld(model, whole, joints, frozen):
+    if weld(model, whole, joints, frozen):
         spec.copy_back(model)
         model = spec.compile()
     return model
@@ -186,70 +204,5 @@ def _make_plain(joint: mujoco.MjsJoint, compiled: Any, damping: float) -> None:
         joint.stiffness = [float(compiled.stiffness[0]), 0.0, 0.0]
         joint.damping = [float(compiled.damping[0]), 0.0, 0.0]
     joint.damping[0] = damping
-    if np.isinf(compiled.range).any():
+    if np.abs(compiled.range).max() > ENDLESS:
         joint.limited = mujoco.mjtLimited.mjLIMITED_FALSE
-
-
-class _Motion:
-    """A rigid motion x -> rotation x + shift, rotation as a unit quaternion."""
-
-    def __init__(self, rotation: Any, shift: Any) -> None:
-        self.rotation, self.shift = np.array(rotation, dtype=np.float64), np.array(shift, dtype=np.float64)
-
-    @classmethod
-    def of_joint(cls, model: mujoco.MjModel, joint: int, value: float) -> _Motion:
-        """Of a hinge or a slide, in the frame of its body, at `value`."""
-        axis, moved = model.jnt_axis[joint], value - model.qpos0[model.jnt_qposadr[joint]]
-        if model.jnt_type[joint] == SLIDE:
-            return cls([1.0, 0.0, 0.0, 0.0], moved * axis)
-        turn = np.zeros(4)
-        mujoco.mju_axisAngle2Quat(turn, axis, moved)
-        about = cls(turn, np.zeros(3))
-        return cls(turn, model.jnt_pos[joint] - about.point(model.jnt_pos[joint]))
-
-    def point(self, x: Array) -> Array:
-        """Where a point goes."""
-        return self.direction(x) + self.shift
-
-    def direction(self, x: Array) -> Array:
-        """Where a vector goes."""
-        moved = np.zeros(3)
-        mujoco.mju_rotVecQuat(moved, x, self.rotation)
-        return moved
-
-    def after(self, first: _Motion) -> _Motion:
-        """`first`, then this one."""
-        rotation = np.zeros(4)
-        mujoco.mju_mulQuat(rotation, self.rotation, first.rotation)
-        mujoco.mju_normalize4(rotation)
-        return _Motion(rotation, self.point(first.shift))
-
-    def inverse(self) -> _Motion:
-        """The way back."""
-        back = _Motion(self.rotation * [1.0, -1.0, -1.0, -1.0], np.zeros(3))
-        back.shift = -back.direction(self.shift)
-        return back
-
-
-def _weld(model: mujoco.MjModel, whole: mujoco.MjModel, joints: tuple[str, ...], frozen: Mapping[str, float]) -> bool:
-    """Move bodies to where frozen joints hold them, in place; True where one moved.
-
-    A body's joints turn it one after the other, T_0 F_1 R_2(q) F_3: welding 1 and 3 leaves T_0 F_1 F_3 and R_2 with its
-    axis as seen after F_3.
-    """
-    moved = False
-    for body in range(1, whole.nbody):
-        first, count = int(whole.body_jntadr[body]), int(whole.body_jntnum[body])
-        weld = _Motion([1.0, 0.0, 0.0, 0.0], np.zeros(3))
-        for joint in reversed(range(first, first + count)):
-            name = whole.joint(joint).name
-            if name in joints:
-                kept, back = model.joint(name), weld.inverse()
-                kept.axis[:], kept.pos[:] = back.direction(kept.axis), back.point(kept.pos)
-            elif frozen.get(name, 0.0) != whole.qpos0[whole.jnt_qposadr[joint]] and name in frozen:
-                weld = _Motion.of_joint(whole, joint, frozen[name]).after(weld)
-                moved = True
-        if np.any(weld.rotation[1:]) or np.any(weld.shift):
-            place = _Motion(model.body_quat[body], model.body_pos[body]).after(weld)
-            model.body_quat[body], model.body_pos[body] = place.rotation, place.shift
-    return moved

@@ -11,10 +11,11 @@ import mujoco
 import numpy as np
 
 from fo_gym.checks import shown
-from fo_gym.robots.editing import HINGE, SLIDE, compile_whole, link_side_of
+from fo_gym.robots.editing import HINGE, compile_whole, link_side_of
 from fo_gym.robots.file import existing_file, mujoco_errors, read_spec
 from fo_gym.robots.report import Notes
 from fo_gym.robots.survey import survey
+from fo_gym.robots.welding import SLIDE
 
 __all__ = ["LinkSide"]
 

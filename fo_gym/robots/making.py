@@ -27,6 +27,7 @@ from fo_gym.robots.home import found_home, poor_home, redundant_joints
 from fo_gym.robots.inventory import listed, note_design, note_the_rest
 from fo_gym.robots.link_side import LinkSide
 from fo_gym.robots.report import Notes, Report
+from fo_gym.robots.sanity import check_count, check_numbers_of
 from fo_gym.robots.survey import Survey, survey
 from fo_gym.robots.tool import end_of_chain
 
@@ -58,9 +59,11 @@ def made_from_file(
     file, notes = existing_file("robot file", path), Notes()
     spec = read_spec(file, notes)
     whole = compile_whole(spec, file, notes)
+    check_numbers_of(file, whole)
     everything = survey(whole)
     check_ranges(file, everything)
     chosen = chosen_joints(file, whole, everything, joints, notes)
+    check_count(file, chosen)
     own = everything.of(chosen)
     tool = _tool(whole, chosen, tool, notes)
     key, pose = _pose(file, whole, everything, home)
@@ -76,6 +79,8 @@ def made_from_file(
         note_design(own, friction, notes)
     if flexible is None:
         note_design(own, motors, notes)
+    if redundant is None:
+        redundant = redundant_joints(model, start, tool)
     return {
         "name": file.parent.name if file.stem in _GENERAL else file.stem,
         "link_side": link_side,
@@ -83,7 +88,11 @@ def made_from_file(
         "flexible": motors,
         "friction": friction,
         "home": start,
-        "redundant": redundant_joints(model, start, tool) if redundant is None else tuple(redundant),
+        "redundant": redundant_joints(model, start, tool)
+        if redundant is None
+        else tuple(redundant)
+        if isinstance(redundant, list)
+        else redundant,
         "hardware": hardware,
         "report": Report(tuple(notes)),
     }

@@ -18,7 +18,7 @@ MOST_FACES = 200_000
 _UPWARDS = 6
 """How many folders above the file are searched for a package."""
 
-__all__ = ["READABLE", "find_mesh", "find_meshes", "note_missing"]
+__all__ = ["READABLE", "find_file", "find_mesh", "find_meshes", "note_missing"]
 
 
 def _candidates(name: str, file: Path, folder: str) -> Iterator[Path]:
@@ -47,20 +47,24 @@ def _is_read(path: Path) -> bool:
     return 1 <= faces <= MOST_FACES and path.stat().st_size >= 84 + 50 * faces
 
 
-def find_mesh(name: str, file: Path, folder: str = "") -> Path | None:
-    """The file of a mesh, or None where there is none that MuJoCo reads.
+def find_file(name: str, file: Path, folder: str = "") -> Path | None:
+    """The file that a robot's file names, or None where there is none.
 
     Args:
         name: as the robot's file gives it; `package://` is searched beside the file and upwards.
         file: the robot's file.
-        folder: where it says that meshes are.
+        folder: where it says that such files are.
     """
-    if Path(name).suffix.lower() not in READABLE:
-        return None
     try:
-        return next((path for path in _candidates(name, file, folder) if path.is_file() and _is_read(path)), None)
+        return next((path for path in _candidates(name, file, folder) if path.is_file()), None)
     except (OSError, ValueError):  # names that no file can have
         return None
+
+
+def find_mesh(name: str, file: Path, folder: str = "") -> Path | None:
+    """The file of a mesh, or None where there is none that MuJoCo reads. Arguments as of `find_file`."""
+    found = find_file(name, file, folder) if Path(name).suffix.lower() in READABLE else None
+    return found if found is not None and _is_read(found) else None
 
 
 def find_meshes(spec: mujoco.MjSpec, file: Path) -> set[str]:

@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.checks import instance, only, real_array, text
+from fo_gym.checks import instance, real_array, shown, text
 from fo_gym.hardware import Hardware
 from fo_gym.parameters import FlexibleJoint, ImpedanceGains, LuGre, PDGains, per_joint
 from fo_gym.robots.link_side import LinkSide
@@ -74,7 +74,10 @@ class Robot:
         object.__setattr__(self, "home", real_array("Robot.home", self.home, (self.dof,)))
         if self.hardware is not None:
             self.hardware.check_joints(self.dof)
-        only("redundant joint", self.redundant, self.joints)
+        names: Any = self.redundant
+        listed = isinstance(names, tuple) and all(isinstance(name, str) for name in names)
+        if not listed or len(set(names)) < len(names) or not set(names) <= set(self.joints):
+            raise ValueError(f"redundant is {shown(names)}; give a tuple of names, each once, of {self.joints}")
 
     @property
     def joints(self) -> tuple[str, ...]:

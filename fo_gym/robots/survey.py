@@ -9,7 +9,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.robots.editing import HINGE, SLIDE
+from fo_gym.robots.editing import ENDLESS, HINGE
+from fo_gym.robots.welding import SLIDE
 
 Array = NDArray[np.float64]
 
@@ -55,7 +56,8 @@ def survey(whole: mujoco.MjModel) -> Survey:
     """Look at all joints of a file that turn or slide, in its compiled model."""
     ids = [i for i in range(whole.njnt) if whole.jnt_type[i] in (HINGE, SLIDE)]
     dofs = whole.jnt_dofadr[ids]
-    limited = whole.jnt_limited[ids].astype(bool) & ~np.isinf(whole.jnt_range[ids]).any(axis=1)
+    endless = np.abs(whole.jnt_range[ids]).max(axis=1, initial=0.0) > ENDLESS
+    limited = whole.jnt_limited[ids].astype(bool) & ~endless
     armature, damping = whole.dof_armature.copy(), whole.dof_damping.copy()
     for actuator, joint in _driven(whole):
         gear = whole.actuator_gear[actuator, 0]

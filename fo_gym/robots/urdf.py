@@ -40,12 +40,13 @@ def urdf_for_mujoco(file: Path, notes: Notes) -> str:
         root = ET.parse(file).getroot()
     except (ET.ParseError, ValueError, LookupError) as error:
         raise ValueError(f"{file} is no XML: {one_line(str(error), 200)}; give an MJCF or URDF file") from None
-    if any("xacro" in element.tag for element in root.iter()):
+    if any("xacro" in str(element.tag) for element in root.iter()):
         raise ValueError(f"{file} is a xacro, from which URDF is made; run xacro on it and give what it prints")
     parents = _parents(file, root)
     for joint in root.findall("joint"):
+        _check_limit(file, joint)
         _plain_joint(joint, notes)
-    _hold_followers(root, notes)
+    _hold_followers(file, root, notes)
     for link in root.iter("link"):
         _check_inertial(file, link, notes)
     _fill_massless(root, parents, notes)
@@ -59,6 +60,11 @@ def _parents(file: Path, root: ET.Element) -> dict[str, tuple[str, ET.Element]]:
     links = [link.get("name", "") for link in root.findall("link")]
     if not links:
         raise ValueError(f"{file} has no <link>; give a URDF file with links and joints")
+    names = [joint.get("name", "") for joint in root.findall("joint")]
+    for kind, all_of_them in (("link", links), ("joint", names)):
+        for name in all_of_them:
+            if not name or all_of_them.count(name) > 1:
+                raise ValueError(f"{file}: a {kind} is named {name!r}; give each {kind} a name of its own")
     parents: dict[str, tuple[str, ET.Element]] = {}
     for joint in root.findall("joint"):
         name = joint.get("name", "")
@@ -79,6 +85,20 @@ def _parents(file: Path, root: ET.Element) -> dict[str, tuple[str, ET.Element]]:
     return parents
 
 
+def _check_limit(file: Path, joint: ET.Element) -> None:
+    limit, name = joint.find("limit"), joint.get("name", "")
+    if limit is None:
+        return
+    low, high = _numbers(file, f"joint {name!r}", limit, ("lower", "upper"), np.inf)
+    effort = _numbers(file, f"joint {name!r}", limit, ("effort",), np.inf)[0]
+    if low > high:
+        raise ValueError(f"{file}: the range of joint {name!r} is ({low:g}, {high:g}); give lower below upper")
+    if effort < 0.0:
+        raise ValueError(f"{file}: the effort of joint {name!r} is {effort:g}; it must be above 0, or left out")
+    if effort == 0.0 or np.isinf(effort):
+        limit.attrib.pop("effort", None)
+
+
 def _plain_joint(joint: ET.Element, notes: Notes) -> None:
     """Take away what MuJoCo does not take, or only warns of, in place."""
     what, kind, limit = f"joint {joint.get('name')}", joint.get("type"), joint.find("limit")
@@ -90,11 +110,16 @@ def _plain_joint(joint: ET.Element, notes: Notes) -> None:
         notes.assumed(what, "its limits are equal, or missing: it turns without limits")
 
 
-def _hold_followers(root: ET.Element, notes: Notes) -> None:
+def _hold_followers(file: Path, root: ET.Element, notes: Notes) -> None:
     """Joints that follow one which does not move do not move either; MuJoCo only warns of them."""
+    names = [joint.get("name") for joint in root.findall("joint")]
     moving = {joint.get("name") for joint in root.findall("joint") if joint.get("type") in _SCALAR}
     for joint in root.findall("joint"):
         mimic = joint.find("mimic")
+        if mimic is not None and mimic.get("joint") not in names:
+            raise ValueError(
+                f"{file}: joint {joint.get('name')!r} follows {mimic.get('joint')!r}; the joints are {shown(names)}"
+            )
         if mimic is None or (joint.get("type") in _SCALAR and mimic.get("joint") in moving):
             continue
         joint.remove(mimic)
@@ -105,7 +130,9 @@ def _hold_followers(root: ET.Element, notes: Notes) -> None:
             )
 
 
-def _numbers(file: Path, link: str, element: ET.Element, names: tuple[str, ...]) -> list[float]:
+def _numbers(
+    file: Path, what: str, element: ET.Element, names: tuple[str, ...], largest: float = _LARGE
+) -> list[float]:
     values = []
     for name in names:
         text = element.get(name, "0")
@@ -113,8 +140,8 @@ def _numbers(file: Path, link: str, element: ET.Element, names: tuple[str, ...])
             value = float(text)
         except ValueError:
             value = np.nan
-        if not abs(value) < _LARGE:
-            raise ValueError(f"{file}: {name} of link {link!r} is {shown(text)}; give a number below {_LARGE:g}")
+        if not abs(value) <= largest:
+            raise ValueError(f"{file}: {name} of {what} is {shown(text)}; give a number of at most {largest:g}")
         values.append(value)
     return values
 
@@ -130,8 +157,8 @@ def _check_inertial(file: Path, link: ET.Element, notes: Notes) -> None:
     if inertial is None:
         return
     mass_of, inertia_of = inertial.find("mass"), inertial.find("inertia")
-    mass = 0.0 if mass_of is None else _numbers(file, name, mass_of, ("value",))[0]
-    six = [0.0] * 6 if inertia_of is None else _numbers(file, name, inertia_of, _SIX)
+    mass = 0.0 if mass_of is None else _numbers(file, f"link {name!r}", mass_of, ("value",))[0]
+    six = [0.0] * 6 if inertia_of is None else _numbers(file, f"link {name!r}", inertia_of, _SIX)
     if mass < 0.0:
         raise ValueError(f"{file}: the mass of link {name!r} is {mass:g} kg; it must be at least 0")
     if mass == 0.0:
