@@ -36,7 +36,7 @@ bench: $(VENV)/.rl  ## measure the speed of the environments beside their peers,
 	$(BIN)/fo-gym bench --out build/bench
 
 test: $(VENV)/.dev system  ## run the tests, without the slow ones
-	$(PYTEST) -m "not slow"
+	$(PYTEST) -m "not slow and not robots"
 
 test-slow: $(VENV)/.dev system  ## run the slow ones
 	$(PYTEST) -m slow
@@ -44,7 +44,7 @@ test-slow: $(VENV)/.dev system  ## run the slow ones
 test-all: test test-slow  ## run all the tests
 
 test-portable: $(VENV)/.dev system  ## what `make test` runs, as an older processor would compute it
-	$(BIN)/python docs/processors/elsewhere.py generic $(PYTEST) -m "not slow"
+	$(BIN)/python docs/processors/elsewhere.py generic $(PYTEST) -m "not slow and not robots"
 
 check: $(VENV)/.dev  ## ruff and mypy
 	$(BIN)/ruff check .

@@ -91,16 +91,26 @@ def resting_pose(facts: Survey) -> Array:
 
 
 def frozen_joints(
-    whole: mujoco.MjModel, facts: Survey, chosen: tuple[str, ...], pose: Array, notes: Notes
+    whole: mujoco.MjModel,
+    facts: Survey,
+    chosen: tuple[str, ...],
+    pose: Array,
+    notes: Notes,
+    given: tuple[tuple[str, float], ...] | None = None,
 ) -> tuple[tuple[str, float], ...]:
-    """Where joints are welded that are elsewhere than as drawn; a line for each that is welded, and why."""
+    """Where joints are welded that are elsewhere than as drawn; a line for each that is welded, and why.
+
+    They are where `given` says, joints that it does not name as drawn; or, without it, where `pose` has them.
+    """
     why = {**joints_of_things(whole), **bound_joints(whole)}
+    drawn = dict(zip(facts.names, facts.reference.tolist(), strict=True))
+    places = {**drawn, **dict(given)} if given is not None else dict(zip(facts.names, pose.tolist(), strict=True))
     frozen = []
-    for name, unit, reference, place in zip(facts.names, facts.units, facts.reference, pose.tolist(), strict=True):
+    for name, unit in zip(facts.names, facts.units, strict=True):
         if name not in chosen:
-            notes.dropped(f"joint {name}", f"{why.get(name, 'is not named')}; welded at {place:g} {unit}")
-            if place != reference:
-                frozen.append((name, place))
+            notes.dropped(f"joint {name}", f"{why.get(name, 'is not named')}; welded at {places[name]:g} {unit}")
+            if places[name] != drawn[name]:
+                frozen.append((name, places[name]))
     return tuple(frozen)
 
 

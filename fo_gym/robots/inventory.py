@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
+
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +42,10 @@ SYMBOLS = {
 }
 """What reports call the parameters of motors, springs and friction."""
 
-__all__ = ["listed", "note_design", "note_the_rest"]
+DESIGN, GIVEN = "by design", "given"
+"""What reports call numbers that nobody measured, and such as a program gives."""
+
+__all__ = ["listed", "note_sources", "note_the_rest"]
 
 
 def listed(names: tuple[str, ...], values: Array) -> str:
@@ -55,14 +60,32 @@ def _positive(facts: Survey, values: Array) -> str:
     return listed(tuple(name for name, is_one in zip(facts.names, some, strict=True) if is_one), values[some])
 
 
-def note_design(facts: Survey, parameters: FlexibleJoint | LuGre, notes: Notes) -> None:
-    """Write down what was designed, but for what the file says: rotor inertia, torque limits, dry friction."""
+def note_sources(
+    facts: Survey,
+    flexible: FlexibleJoint,
+    friction: LuGre,
+    known: Iterable[str],
+    sources: Mapping[str, str],
+    notes: Notes,
+) -> dict[str, str]:
+    """Write down where each number of motors, springs and friction is from; returns that by its path."""
     said = {"motor_inertia": facts.armature, "torque_limit": facts.torque_limit}
-    for name, value in vars(parameters).items():
-        assumed = ~(np.nan_to_num(said.get(name, np.zeros(len(facts.names)))) > 0.0)
-        if assumed.any():
-            names = tuple(np.array(facts.names)[assumed].tolist())
-            notes.assumed(SYMBOLS[name], f"{listed(names, np.asarray(value)[assumed])}, by design")
+    found = {}
+    for part, parameters in (("flexible", flexible), ("friction", friction)):
+        for name, value in vars(parameters).items():
+            path, told = f"{part}.{name}", listed(facts.names, np.asarray(value))
+            from_file = np.nan_to_num(said.get(name, np.zeros(len(facts.names)))) > 0.0
+            if name in known:
+                found[path] = sources.get(path, GIVEN)
+                (notes.assumed if found[path].startswith(DESIGN) else notes.taken)(
+                    SYMBOLS[name], f"{told}: {found[path]}"
+                )
+            elif from_file.all():
+                found[path] = "the robot's file"
+            else:
+                found[path] = f"{DESIGN}, where the file says nothing" if from_file.any() else DESIGN
+                notes.assumed(SYMBOLS[name], f"{told}: {found[path]}")
+    return found
 
 
 def note_the_rest(
@@ -70,22 +93,23 @@ def note_the_rest(
     whole: mujoco.MjModel,
     facts: Survey,
     notes: Notes,
-    *,
-    friction_given: bool,
-    flexible_given: bool,
+    known: set[str],
 ) -> None:
-    """Write down what became of masses, springs, dampers, motors' numbers, and of what a link side has not."""
+    """Write down what became of masses, springs, dampers, motors' numbers, and of what a link side has not.
+
+    What is `known` better, by the names of the parameters, is not taken from the file.
+    """
     notes.taken("masses", f"{whole.nbody - 1} bodies, {float(whole.body_mass.sum()):.4g} kg")
     if np.any(facts.armature > 0.0):
-        kind = notes.dropped if flexible_given else notes.taken
+        kind = notes.dropped if "torque_limit" in known else notes.taken
         kind(
             "armature", f"[kg m^2 | kg] {_positive(facts, facts.armature)}: the motors' inertia B, no part of the links"
         )
     if np.any(facts.frictionloss > 0.0):
-        kind = notes.dropped if friction_given else notes.taken
+        kind = notes.dropped if "f_c" in known else notes.taken
         kind("frictionloss", f"[N m | N] {_positive(facts, facts.frictionloss)}: dry friction of the motors")
     if np.any(facts.torque_limit > 0.0):
-        kind = notes.dropped if flexible_given else notes.taken
+        kind = notes.dropped if "torque_limit" in known else notes.taken
         kind("torque limits", f"[N m | N] {_positive(facts, facts.torque_limit)}")
     if np.any(facts.damping > 0.0):
         notes.taken("damping", f"{_positive(facts, facts.damping)}: dampers between the links")

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cached_property
 from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import mujoco
@@ -15,13 +17,14 @@ from numpy.typing import NDArray
 from fo_gym.checks import instance, real_array, shown, text
 from fo_gym.hardware import Hardware
 from fo_gym.parameters import FlexibleJoint, ImpedanceGains, LuGre, PDGains, per_joint
+from fo_gym.robots.exchange import read_robot, robot_text
 from fo_gym.robots.link_side import LinkSide
 from fo_gym.robots.making import made_from_file
 from fo_gym.robots.report import Report
 
 Array = NDArray[np.float64]
 
-_NO_MOTION = ("name", "link_side", "report")
+_NO_MOTION = ("name", "link_side", "report", "sources")
 """Fields that a robot's fingerprint does not need: the model of its links is in it."""
 
 __all__ = ["Robot"]
@@ -43,6 +46,7 @@ class Robot:
         identified: a model of its friction that compensators may use, arrays (dof,); None where nobody identified it.
         pd_gains: of its motor PD in joint space, arrays (dof,); None for gains by design.
         impedance_gains: of its task-space impedance; None likewise.
+        sources: where numbers are from, by their path, such as "friction.f_c".
         report: what was taken from the file, dropped, assumed.
     """
 
@@ -57,6 +61,7 @@ class Robot:
     identified: LuGre | None = None
     pd_gains: PDGains | None = None
     impedance_gains: ImpedanceGains | None = None
+    sources: Mapping[str, str] = field(default_factory=dict)
     report: Report = field(default_factory=Report)
 
     def __post_init__(self) -> None:
@@ -140,7 +145,31 @@ class Robot:
             FileNotFoundError: there is no such file.
             ValueError: the file is broken, or has not what is named; what there is, is told.
         """
-        return cls(**made_from_file(path, joints, tool, home, flexible, friction, hardware, redundant))
+        instance("flexible", flexible, FlexibleJoint, none="joints by design")
+        instance("friction", friction, LuGre, none="friction by design")
+        known = {**({} if flexible is None else vars(flexible)), **({} if friction is None else vars(friction))}
+        made = made_from_file(path, joints=joints, tool=tool, home=home, known=known, sources={}, redundant=redundant)
+        return cls(**made, hardware=hardware)
+
+    @classmethod
+    def from_toml(cls, path: str | PathLike[str]) -> Robot:
+        """Read a robot that `to_toml` wrote, or somebody by hand: what is missing is designed, as by `from_file`.
+
+        Raises:
+            FileNotFoundError: the file is not there, or that of the robot, or the package that has it.
+            ValueError: there is something in it that a robot has not, or that it does not take.
+        """
+        said = read_robot(Path(path))
+        keys = ("joints", "tool", "camera", "home", "frozen", "known", "sources", "redundant")
+        made = made_from_file(said["file"], **{key: said[key] for key in keys})
+        made["sources"] = {**said["sources"], **made["sources"]}
+        parts = ("identified", "pd_gains", "impedance_gains", "hardware")
+        return cls(**{**made, "name": said["name"], **{part: said[part] for part in parts}})
+
+    def to_toml(self, path: str | PathLike[str]) -> None:
+        """Write the robot as a robot.toml, from which `from_toml` makes the same one; its file is named from there."""
+        target = Path(path)
+        target.write_text(robot_text(vars(self), target.parent), encoding="utf-8", newline="\n")
 
 
 def _content(part: Any) -> Any:
