@@ -41,10 +41,10 @@ if TYPE_CHECKING:
     from fo_gym.evaluation.results.sweep import sweep
     from fo_gym.evaluation.runs.evaluate import evaluate
     from fo_gym.simulation.settings import Settings
-    from fo_gym.tasks.task import Randomization
+    from fo_gym.tasks.randomization import Randomization
 else:
     _LATER = {
-        "Randomization": "fo_gym.tasks.task",
+        "Randomization": "fo_gym.tasks.randomization",
         "Settings": "fo_gym.simulation.settings",
         "evaluate": "fo_gym.evaluation.runs.evaluate",
         "sweep": "fo_gym.evaluation.results.sweep",
