@@ -13,8 +13,9 @@ import fo_gym
 from fo_gym.envs.single import JointEnv
 from fo_gym.envs.vector import JointVectorEnv
 from fo_gym.plant import Robot
+from fo_gym.tasks.randomization import Randomization
 from fo_gym.tasks.scenario import Push
-from fo_gym.tasks.task import Randomization, Task
+from fo_gym.tasks.task import Task
 
 MJCF = """
 <mujoco model="two_links">

@@ -51,9 +51,10 @@ if TYPE_CHECKING:
     from fo_gym.robots import Robot
     from fo_gym.simulation.settings import Settings
     from fo_gym.tasks.joint_path import JointPath
+    from fo_gym.tasks.randomization import Randomization
     from fo_gym.tasks.scenario import Push
     from fo_gym.tasks.step import Step
-    from fo_gym.tasks.task import Randomization, Task
+    from fo_gym.tasks.task import Task
     from fo_gym.tasks.tool_path import ToolPath
 else:
     _LATER = {
@@ -64,7 +65,7 @@ else:
         "Task": "fo_gym.tasks.task",
         "ToolPath": "fo_gym.tasks.tool_path",
         "register": "fo_gym.envs.registration",
-        "Randomization": "fo_gym.tasks.task",
+        "Randomization": "fo_gym.tasks.randomization",
         "Settings": "fo_gym.simulation.settings",
         "evaluate": "fo_gym.evaluation.runs.evaluate",
         "sweep": "fo_gym.evaluation.results.sweep",

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import reprlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -36,11 +36,13 @@ __all__ = [
     "choice",
     "flag",
     "instance",
+    "mapping",
     "number",
     "number_range",
     "only",
     "real",
     "real_array",
+    "real_arrays",
     "shown",
     "text",
     "values",
@@ -156,6 +158,13 @@ def instance(name: str, value: Any, kind: type, *, none: str | None = None) -> N
         raise ValueError(f"{name} is {shown(value)}; give a {kind.__name__}{besides}")
 
 
+def mapping(name: str, value: Any, keys: Iterable[str]) -> None:
+    """Raise ValueError where the value is no mapping with these keys, all of them and no other."""
+    wanted = list(keys)
+    if not isinstance(value, Mapping) or set(value) != set(wanted):
+        raise ValueError(f"{name} is {shown(value)}; give a mapping with {', '.join(wanted) or 'nothing in it'}")
+
+
 def only(what: str, given: Iterable[Any], allowed: Sequence[str]) -> None:
     """Raise TypeError for a name that is not allowed, naming those that are; `what` is such as "argument"."""
     unknown = [name for name in given if name not in allowed]
@@ -188,6 +197,13 @@ def real_array(name: str, value: Any, shape: tuple[int, ...], bound: Bound = FIN
     if array.shape != shape or not bound.holds(array):
         raise ValueError(f"{name} is {shown(value)}, of shape {array.shape}; give {bound} numbers of shape {shape}")
     return array
+
+
+def real_arrays(name: str, value: Any, like: Mapping[str, Array]) -> None:
+    """Raise ValueError where the value is no mapping of finite arrays with the keys and the shapes of `like`."""
+    mapping(name, value, like)
+    for key, array in like.items():
+        real_array(f"{name}[{key!r}]", value[key], array.shape)
 
 
 def whole_array(name: str, value: Any, shape: tuple[int, ...], low: int, high: int) -> NDArray[np.int64]:

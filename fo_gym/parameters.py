@@ -24,6 +24,7 @@ __all__ = [
     "JointInfo",
     "LuGre",
     "PDGains",
+    "Value",
     "check_joints",
     "per_joint",
 ]

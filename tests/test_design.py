@@ -23,7 +23,7 @@ from fo_gym.robots.design import (
 )
 from fo_gym.robots.home import found_home
 from fo_gym.robots.poses import SLIDE, Poses
-from fo_gym.tasks.task import Randomization
+from fo_gym.tasks.randomization import Randomization
 
 Z, Y = "0 0 1", "0 1 0"
 ONLY = np.zeros(1, dtype=np.intp)

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from environments import every_env, make
 
+from fo_gym.tasks.draw import draw_scenario
+from fo_gym.tasks.randomization import Randomization
 from fo_gym.tasks.step import Step
-from fo_gym.tasks.task import Randomization, draw_scenario
 
 DRAWS = 400
 

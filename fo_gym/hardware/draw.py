@@ -2,78 +2,103 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fo_gym.checks import POSITIVE, instance, number, real_array, whole_number
-from fo_gym.hardware.effects import Hardware, ModelError, PushTime, Temperature, TorqueSensor
+from fo_gym.checks import NOT_NEGATIVE, POSITIVE, instance, mapping, number, real, real_arrays, whole_number
+from fo_gym.generators import Streams
+from fo_gym.hardware.effect import Drawn, Effect
+from fo_gym.hardware.gear_ripple import GearRipple
+from fo_gym.hardware.hardware import Hardware
+from fo_gym.hardware.model_error import ModelError
+from fo_gym.hardware.push_time import PushTime
+from fo_gym.hardware.temperature import Temperature
+from fo_gym.hardware.torque_sensor import TorqueSensor
 from fo_gym.parameters import FlexibleJoint, check_joints
 
-Array = NDArray[np.float64]
+_ALWAYS_DRAWN: tuple[Effect, ...] = (
+    ModelError(),
+    TorqueSensor(noise=0.0, offset=0.0),
+    GearRipple(amplitude=0.0, period=1.0),
+    Temperature(),
+    PushTime((0.0, 0.0)),
+)
+"""What stands for an effect that is switched off: its draws are taken and dropped, and so the others' stay."""
 
-__all__ = ["HardwareDraw", "draw_hardware"]
+__all__ = ["HardwareDraw", "check_draw", "draw_hardware"]
 
 
 @dataclass(frozen=True, eq=False)
 class HardwareDraw:
-    """The drawn part of the effects. Arrays are (dof,).
+    """What one episode has of the effects.
 
     Attributes:
-        believed: motors and springs as controller, nominal motor and compensator know them.
+        believed: motors and springs as controller, nominal motor and compensator know them, arrays (dof,).
         believed_mass: factor on the true masses in what they know.
-        torque_offset: of the torque sensors [N | N m].
-        ripple_phase: of the gear ripple [rad].
-        temperature: at the start [K].
         push_time: when the joints are pushed [s]; None leaves it to the randomization.
-        noise_seed: of the sensors' noise.
+        drawn: what each effect drew, by its name.
+        noise_seeds: of the noise of the effects that are noisy, by their names.
     """
 
     believed: FlexibleJoint
     believed_mass: float
-    torque_offset: Array
-    ripple_phase: Array
-    temperature: Array
     push_time: float | None
-    noise_seed: int
-
-    def check(self, name: str, dof: int) -> None:
-        """Raise ValueError where it is none of a robot with `dof` joints; `name` is what to call it."""
-        instance(f"{name}.believed", self.believed, FlexibleJoint)
-        check_joints(self.believed, dof)
-        number(f"{name}.believed_mass", self.believed_mass, POSITIVE)
-        for part in ("torque_offset", "ripple_phase", "temperature"):
-            real_array(f"{name}.{part}", getattr(self, part), (dof,))
-        whole_number(f"{name}.noise_seed", self.noise_seed, 0)
+    drawn: Mapping[str, Drawn]
+    noise_seeds: Mapping[str, int]
 
 
-def draw_hardware(hardware: Hardware, joints: FlexibleJoint, rng: np.random.Generator) -> HardwareDraw:
-    """One episode's draws; always all of them, so that switching one effect leaves the others' draws alone.
+def draw_hardware(hardware: Hardware, joints: FlexibleJoint, streams: Streams) -> HardwareDraw:
+    """One episode's draws; those of the shipped effects always all of them, and before those of others.
 
     Args:
-        hardware: which effects there are; those that are None are drawn as if they had their defaults, and dropped.
+        hardware: which effects there are.
         joints: the true motors and springs, arrays (dof,).
-        rng: the environment's generator.
+        streams: the episode's.
     """
-    dof = len(np.atleast_1d(joints.motor_inertia))
-    error = hardware.model_error or ModelError()
-    inertia, stiffness = rng.uniform(*error.motor_inertia, dof), rng.uniform(*error.stiffness, dof)
-    mass = float(rng.uniform(*error.mass))
-    offset = rng.uniform(-1.0, 1.0, dof)
-    phase = rng.uniform(0.0, 2.0 * np.pi, dof)
-    temperature = rng.uniform(*(hardware.temperature or Temperature()).start, dof)
-    start = float(rng.uniform(*(hardware.push_time or PushTime((0.0, 0.0))).start))
-    seed = int(rng.integers(np.iinfo(np.int64).max))
-    believed = replace(joints, motor_inertia=joints.motor_inertia * inertia, stiffness=joints.stiffness * stiffness)
-    known = hardware.model_error is not None
-    sensor = hardware.sensors.torque or TorqueSensor(noise=0.0, offset=0.0)
+    effects = {effect.name: effect for effect in hardware.effects}
+    drawn: dict[str, Drawn] = {}
+    seeds: dict[str, int] = {}
+    for group in (tuple(effects.get(each.name, each) for each in _ALWAYS_DRAWN), hardware.others):
+        for effect in group:
+            values = effect.draw(np.size(joints.stiffness), streams(effect.name))
+            drawn[effect.name] = {key: real(f"{effect.name}.draw, {key}", value) for key, value in values.items()}
+        for effect in group:
+            if effect.noisy:
+                seeds[effect.name] = int(streams(f"{effect.name} noise").integers(np.iinfo(np.int64).max))
+    believed, mass, push_time = joints, 1.0, None
+    for name, effect in effects.items():
+        drawn.setdefault(name, {})
+        believed, mass = effect.believe(believed, mass, drawn[name])
+        push_time = effect.pushed_at(push_time, drawn[name])
     return HardwareDraw(
-        believed=believed if known else joints,
-        believed_mass=mass if known else 1.0,
-        torque_offset=offset * sensor.offset,
-        ripple_phase=phase,
-        temperature=temperature,
-        push_time=None if hardware.push_time is None else start,
-        noise_seed=seed,
+        believed=believed,
+        believed_mass=mass,
+        push_time=push_time,
+        drawn={name: drawn[name] for name in effects},
+        noise_seeds={name: seed for name, seed in seeds.items() if name in effects},
     )
+
+
+def check_draw(name: str, draw: Any, like: HardwareDraw) -> None:
+    """Raise ValueError where this is no draw of the same effects as `like`, naming the field.
+
+    Args:
+        name: what to call it.
+        draw: what is claimed to be one.
+        like: one.
+    """
+    instance(name, draw, HardwareDraw)
+    instance(f"{name}.believed", draw.believed, FlexibleJoint)
+    check_joints(draw.believed, np.size(like.believed.stiffness))
+    number(f"{name}.believed_mass", draw.believed_mass, POSITIVE)
+    if draw.push_time is not None:
+        number(f"{name}.push_time", draw.push_time, NOT_NEGATIVE, "s")
+    mapping(f"{name}.drawn", draw.drawn, like.drawn)
+    for effect, values in like.drawn.items():
+        real_arrays(f"{name}.drawn[{effect!r}]", draw.drawn[effect], values)
+    mapping(f"{name}.noise_seeds", draw.noise_seeds, like.noise_seeds)
+    for effect, seed in draw.noise_seeds.items():
+        whole_number(f"{name}.noise_seeds[{effect!r}]", seed, 0)

@@ -2,66 +2,112 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.checks import instance, real_array
-from fo_gym.hardware.draw import HardwareDraw
-from fo_gym.hardware.effects import Hardware
-from fo_gym.hardware.joint import Imperfections
-from fo_gym.hardware.sensing import Sensing
+from fo_gym.checks import instance, mapping, real_arrays
+from fo_gym.generators import Streams, check_random_states, restored
+from fo_gym.hardware.draw import HardwareDraw, check_draw, draw_hardware
+from fo_gym.hardware.effect import Effect, Episodes, Readings, Truth
+from fo_gym.hardware.hardware import Hardware
+from fo_gym.hardware.rehearsal import begun, check_hooks
+from fo_gym.parameters import FlexibleJoint
 from fo_gym.plant import FlexibleJointPlant
 
 Array = NDArray[np.float64]
 Ids = NDArray[np.intp]
+
+_HOOKS = ("measure", "command", "motor_torque", "link_damping", "friction")
+"""Of every control period; an effect is asked for those that it overrides."""
 
 __all__ = ["HardwareModel", "HardwareState"]
 
 
 @dataclass(frozen=True)
 class HardwareState:
-    """What sensors and commands remember.
+    """What the hardware remembers.
 
     Attributes:
-        sensing: as `Sensing.get_state` gives it.
-        commands: on their way to the motors, (ticks, num_envs, dof).
+        readings: of the sensors, by signal, (num_envs, dof) each.
+        memory: of the effects, by effect and by name, (num_envs, ...) each.
+        generators: states of the noisy effects' random generators, by effect, one for each environment.
     """
 
-    sensing: dict[str, Any]
-    commands: Array
+    readings: dict[str, Array]
+    memory: dict[str, dict[str, Array]]
+    generators: dict[str, list[Any]]
 
 
 class HardwareModel:
-    """A plant with its hardware's effects; without effects it measures the truth and does as it is told.
+    """A plant with its hardware; without effects it measures the truth and does as it is told.
 
     Args:
         plant: the joints.
-        effects: the hardware's, or None.
-        torque_limit: of the joints, (dof,).
-        tachometer: whether the motor's velocity is measured, and not a difference of positions.
+        hardware: the effects, or None.
+        torque_limit: of the joints, (dof,) [N | N m].
+        tachometer: whether the motors' velocity has a sensor of its own.
 
     Attributes:
-        theta, theta_dot, tau_j: as measured at the last look, (num_envs, dof).
+        readings: of the sensors at the last look, (num_envs, dof) each.
         motor_inertia: B as controller, nominal motor and compensator know it, (num_envs, dof).
+
+    Raises:
+        ValueError: an effect has values for another number of joints, a hook of it gives something else than it is
+            asked for, or the delay is no whole number of control periods.
     """
 
     def __init__(
-        self, plant: FlexibleJointPlant, effects: Hardware | None, torque_limit: Array, *, tachometer: bool
+        self, plant: FlexibleJointPlant, hardware: Hardware | None, torque_limit: Array, *, tachometer: bool
     ) -> None:
         self.plant = plant
-        self.theta, self.theta_dot, self.tau_j = plant.theta, plant.theta_dot, plant.tau_j
         self.motor_inertia = plant.motor_inertia.copy()
-        self._sensing: Sensing | None = None
-        self._joint: Imperfections | None = None
-        if effects is not None:
-            effects.check_joints(plant.dof)
-            size = plant.num_envs, plant.dof, plant.control_dt
-            self._sensing = Sensing(effects.sensors, *size, tachometer=tachometer)
-            self._joint = Imperfections(effects, *size, torque_limit)
+        self._like: HardwareDraw | None = None
+        self._effects: list[tuple[Effect, Episodes]] = []
+        truth = self._truth()
+        self.readings = truth.readings
+        if hardware is not None:
+            hardware.check_joints(plant.dof)
+            joints = FlexibleJoint(plant.stiffness[0], plant.damping[0], plant.motor_inertia[0], torque_limit)
+            self._like = draw_hardware(hardware, joints, Streams(np.random.default_rng(0)))
+            alike = [self._like] * plant.num_envs
+            nothing = Episodes(plant.control_dt, torque_limit, tachometer, plant.time[:, None], truth, {}, {}, [])
+            self._effects = [(effect, begun(effect, nothing, alike)) for effect in hardware.effects]
+        for effect, episodes in self._effects:
+            check_hooks(effect, episodes)
+        self._asked = {hook: [pair for pair in self._effects if pair[0].overrides(hook)] for hook in _HOOKS}
+
+    def _truth(self) -> Truth:
+        """How the joints are now: copies, which nobody writes into."""
+        state, tau_j = self.plant.snapshot(), self.plant.tau_j
+        state.flags.writeable = tau_j.flags.writeable = False
+        q, q_dot, theta, theta_dot, _ = state
+        return Truth(q, q_dot, theta, theta_dot, tau_j)
+
+    def _now(self) -> Truth:
+        """How the joints are now, made known to the effects."""
+        truth, time = self._truth(), self.plant.time[:, None]
+        for _, episodes in self._effects:
+            episodes.truth, episodes.time = truth, time
+        return truth
+
+    @property
+    def theta(self) -> Array:
+        """Measured motor positions, (num_envs, dof) [m | rad]."""
+        return self.readings.theta
+
+    @property
+    def theta_dot(self) -> Array:
+        """Measured motor velocities, (num_envs, dof) [m/s | rad/s]."""
+        return self.readings.theta_dot
+
+    @property
+    def tau_j(self) -> Array:
+        """Measured joint torques, (num_envs, dof) [N | N m]."""
+        return self.readings.tau_j
 
     def begin(self, ids: Ids, motor_inertia: Array, draws: Sequence[HardwareDraw | None]) -> Array:
         """Start the named environments at rest; returns their true tau_j, (n, dof).
@@ -69,65 +115,89 @@ class HardwareModel:
         Args:
             ids: which environments.
             motor_inertia: B as it is believed, (n, dof).
-            draws: what was drawn of the effects; None where there are none.
+            draws: what was drawn of the effects; None where there is no hardware.
         """
         self.motor_inertia[ids] = motor_inertia
-        held = self.plant.tau_j[ids]
-        if self._sensing is not None and self._joint is not None:
-            drawn = [draw for draw in draws if draw is not None]
-            self._sensing.reset(ids, self.plant.theta[ids], held, drawn)
-            self._joint.reset(ids, held, drawn)
-        self._read()
-        return held
+        truth = self._now().rows(ids)
+        readings = truth.readings
+        drawn = [draw for draw in draws if draw is not None]
+        for effect, episodes in self._effects:
+            new = begun(effect, replace(episodes, truth=truth, time=np.zeros((len(ids), 1))), drawn)
+            readings = effect.measure(readings, new)
+            episodes.put(ids, new)
+        self.readings = Readings(*(array.copy() for array in self.readings))
+        for whole, part in zip(self.readings, readings, strict=True):
+            whole[ids] = part
+        return truth.tau_j
 
     def look(self) -> None:
         """Sample the sensors, once per tick: every look takes new noise."""
-        if self._sensing is not None:
-            self._sensing.sample(self.plant.theta, self.plant.theta_dot, self.plant.tau_j)
-        self._read()
-
-    def _read(self) -> None:
-        if self._sensing is None:
-            self.theta, self.theta_dot, self.tau_j = self.plant.theta, self.plant.theta_dot, self.plant.tau_j
-        else:
-            self.theta, self.theta_dot, self.tau_j = self._sensing.theta, self._sensing.theta_dot, self._sensing.tau_j
+        readings = self._now().readings
+        for effect, episodes in self._asked["measure"]:
+            readings = effect.measure(readings, episodes)
+        self.readings = readings
 
     def command(self, tau_m: Array) -> Array:
         """The torque that the motors give for this tick's command, (num_envs, dof)."""
-        return tau_m if self._joint is None else self._joint.command(tau_m)
+        for effect, episodes in self._asked["command"]:
+            tau_m = effect.command(tau_m, episodes)
+        return tau_m
 
-    def step(self, tau_m: Array, tau_ext: Array, ticks: NDArray[np.int64]) -> None:
+    def step(self, tau_m: Array, tau_ext: Array) -> None:
         """Advance one control period under the motors' torque and the push, with what gears and bearings add."""
-        plant, joint = self.plant, self._joint
-        if joint is not None:
-            plant.vary_friction(*joint.friction(ticks, plant.tau_j))
-            plant.link_damping[:] = joint.link_damping(plant.q_dot)
-            tau_m = tau_m + joint.motor_torque(plant.theta)
-        plant.step(tau_m, tau_ext)
+        if self._asked["friction"]:
+            dry: Array | float = 1.0
+            added: Array | float = 0.0
+            viscous: Array | float = 1.0
+            for effect, episodes in self._asked["friction"]:
+                change = effect.friction(episodes)
+                dry, added, viscous = dry * change.dry, added + change.added, viscous * change.viscous
+            self.plant.vary_friction(dry, added, viscous)
+        if self._asked["link_damping"]:
+            self.plant.link_damping[:] = sum(effect.link_damping(each) for effect, each in self._asked["link_damping"])
+        for effect, episodes in self._asked["motor_torque"]:
+            tau_m = tau_m + effect.motor_torque(episodes)
+        self.plant.step(tau_m, tau_ext)
 
-    def get_state(self) -> HardwareState | None:
-        """A copy of what sensors and commands remember; None where there are no effects."""
-        if self._sensing is None or self._joint is None:
-            return None
-        return HardwareState(self._sensing.get_state(), self._joint.queue.copy())
+    def get_state(self) -> HardwareState:
+        """A copy of what sensors and effects remember."""
+        return HardwareState(
+            readings={name: array.copy() for name, array in self.readings._asdict().items()},
+            memory={
+                effect.name: {name: array.copy() for name, array in episodes.memory.items()}
+                for effect, episodes in self._effects
+            },
+            generators={
+                effect.name: [dict(generator.bit_generator.state) for generator in episodes.generators]
+                for effect, episodes in self._effects
+            },
+        )
 
-    def check_state(self, state: HardwareState | None) -> None:
-        """Raise ValueError where `state` is none of this hardware, naming the field."""
-        if self._sensing is None or self._joint is None:
-            if state is not None:
-                raise ValueError("SimulationState.hardware is of a robot with hardware effects; this one has none")
-            return
-        instance("SimulationState.hardware", state, HardwareState)
-        assert state is not None
-        self._sensing.check_state(state.sensing)
-        real_array("HardwareState.commands", state.commands, self._joint.queue.shape)
+    def check_state(self, state: HardwareState, name: str, draws: Mapping[str, HardwareDraw | None]) -> None:
+        """Raise ValueError where this is no state of such hardware, naming the field.
 
-    def set_state(
-        self, state: HardwareState | None, motor_inertia: Array, draws: Sequence[HardwareDraw | None]
-    ) -> None:
+        Args:
+            state: what is claimed to be one.
+            name: what to call it.
+            draws: those of its episodes, by what to call them.
+        """
+        instance(name, state, HardwareState)
+        real_arrays(f"{name}.readings", state.readings, self.readings._asdict())
+        for part in ("memory", "generators"):
+            mapping(f"{name}.{part}", getattr(state, part), [effect.name for effect, _ in self._effects])
+        for effect, episodes in self._effects:
+            real_arrays(f"{name}.memory[{effect.name!r}]", state.memory[effect.name], episodes.memory)
+            told = f"{name}.generators[{effect.name!r}]"
+            check_random_states(told, state.generators[effect.name], len(episodes.generators))
+        if self._like is not None:
+            for told, draw in draws.items():
+                check_draw(told, draw, self._like)
+
+    def set_state(self, state: HardwareState, motor_inertia: Array, draws: Sequence[HardwareDraw | None]) -> None:
         """Continue from a copy of `state`, exactly, in the episodes of these draws; see `begin`."""
         self.begin(np.arange(self.plant.num_envs), motor_inertia, draws)
-        if state is not None and self._sensing is not None and self._joint is not None:
-            self._sensing.set_state(state.sensing)
-            self._joint.queue[:] = state.commands
-        self._read()
+        for effect, episodes in self._effects:
+            memory = state.memory[effect.name]
+            episodes.memory = {name: np.array(memory[name], dtype=np.float64) for name in episodes.memory}
+            episodes.generators = restored(state.generators[effect.name])
+        self.readings = Readings(**{name: np.array(state.readings[name]) for name in Readings._fields})

@@ -12,7 +12,8 @@ from fo_gym.parameters import FlexibleJoint, ImpedanceGains, LuGre, PDGains
 from fo_gym.plant.steps import PhysicsDt, is_auto, micro_steps
 from fo_gym.robots import Robot, RobotLike, robot_of
 from fo_gym.signals import TIERS
-from fo_gym.tasks.task import Randomization, Task, TaskLike, made_for
+from fo_gym.tasks.randomization import Randomization
+from fo_gym.tasks.task import Task, TaskLike, made_for
 from fo_gym.tasks.variants import VARIANTS
 
 ACTION_MODES = ("compensation", "torque")
@@ -118,10 +119,10 @@ class Settings:
         own = replace(own, **_given(flexible=self.joints, friction=self.friction))
         made = made_for(own, task)
         made = replace(made, **_given(duration=self.duration, gains=self.gains, randomization=self.randomization))
-        return replace(own, hardware=self._effects(own, made)), made.fitted_to(own)
+        return replace(own, hardware=self._hardware_of(own, made)), made.fitted_to(own)
 
-    def _effects(self, robot: Robot, task: Task) -> Hardware | None:
-        """The hardware's effects; None where there are none."""
+    def _hardware_of(self, robot: Robot, task: Task) -> Hardware | None:
+        """What the variant has of the robot's hardware; None for nothing."""
         hardware = self.hardware
         if hardware is None and self.variant == "hardware":
             hardware = replace(robot.hardware or Hardware(), push_time=task.push_time)

@@ -23,9 +23,10 @@ from fo_gym.simulation.settings import Settings
 from fo_gym.simulation.state import Origin, SimulationState
 from fo_gym.simulation.steps import followed_dt
 from fo_gym.tasks.control import TaskControl
+from fo_gym.tasks.draw import draw_scenario
 from fo_gym.tasks.options import Limits, Options
 from fo_gym.tasks.scenario import Scenario
-from fo_gym.tasks.task import TaskLike, draw_scenario
+from fo_gym.tasks.task import TaskLike
 
 Array = NDArray[np.float64]
 Ids = NDArray[np.intp]
@@ -53,7 +54,7 @@ class Simulation:
         scenarios: the current episode of each environment.
         ticks: control ticks since reset, (num_envs,).
         available: names of the signals that the sensors provide.
-        hardware: the plant with its hardware's effects: what is measured.
+        hardware_model: the plant with its hardware's effects: what is measured.
         limits: of what the options of a reset may ask for.
     """
 
@@ -75,8 +76,9 @@ class Simulation:
         self.control: TaskControl = self.task.reference.control(self.robot, self.plant, self.task.gains)
         self.nominal_motor = NominalMotor(num_envs, self.dof, settings.control_dt)
         self.available = TIERS[settings.sensors]
-        tachometer = settings.sensors == "full"
-        self.hardware = HardwareModel(self.plant, self.robot.hardware, self.torque_limit, tachometer=tachometer)
+        self.hardware_model = HardwareModel(
+            self.plant, self.robot.hardware, self.torque_limit, tachometer=settings.sensors == "full"
+        )
         nominal = draw_scenario(replace(self.robot, hardware=None), self.task, "nominal", np.random.default_rng(0))
         self.scenarios: list[Scenario] = [nominal] * num_envs
         self.ticks = np.zeros(num_envs, dtype=np.int64)
@@ -111,7 +113,7 @@ class Simulation:
         """What a compensator may know; arrays are (num_envs, dof)."""
         return JointInfo(
             dof=self.dof,
-            motor_inertia=self.hardware.motor_inertia.copy(),
+            motor_inertia=self.hardware_model.motor_inertia.copy(),
             stiffness=np.array([scenario.believed.stiffness for scenario in self.scenarios]),
             torque_limit=np.broadcast_to(self.torque_limit, (self.num_envs, self.dof)).copy(),
             control_dt=self.settings.step_dt,
@@ -129,8 +131,8 @@ class Simulation:
         self.plant.reset(ids, np.array([scenario.q_start for scenario in scenarios]))
         self.control.reset(ids, scenarios)
         self.ticks[ids] = 0
-        held = self.hardware.begin(ids, *_drawn(scenarios))
-        self.nominal_motor.reset(ids, self.hardware.theta[ids], self.hardware.theta_dot[ids])
+        held = self.hardware_model.begin(ids, *_drawn(scenarios))
+        self.nominal_motor.reset(ids, self.hardware_model.theta[ids], self.hardware_model.theta_dot[ids])
         self._update_control()
         # At rest in equilibrium the motor has been holding the spring: the first roughness counts from there.
         self.tau_m[ids] = held
@@ -148,7 +150,7 @@ class Simulation:
     def _update_control(self) -> None:
         """The reference and the controller at the current ticks."""
         self.control.update(self.ticks)
-        motor = self.nominal_motor if self.settings.feedback == "nominal" else self.hardware
+        motor = self.nominal_motor if self.settings.feedback == "nominal" else self.hardware_model
         self.tau_c = self.control.torque(motor.theta, motor.theta_dot)
 
     def step(self, action: Array) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_], dict[int, str]]:
@@ -163,13 +165,13 @@ class Simulation:
         for _ in range(self.settings.decimation):
             tau_f_hat, tau_m, tau_ext = self._torques(action)
             before = self.plant.snapshot()
-            self.hardware.step(tau_m, tau_ext, self.ticks)
-            self.nominal_motor.step(self.tau_c, self.hardware.tau_j, self.hardware.motor_inertia)
+            self.hardware_model.step(tau_m, tau_ext)
+            self.nominal_motor.step(self.tau_c, self.hardware_model.tau_j, self.hardware_model.motor_inertia)
             self.ticks += 1
             if not whereabouts(self.plant.motion, self._low, self._high, self._where):
                 self._find_ends(before, reasons)
             sums += (tau_m, tau_ext, self.plant.tau_f)
-            self.hardware.look()
+            self.hardware_model.look()
             self._update_control()
         self.tau_m, self.tau_ext, self.tau_f = sums / self.settings.decimation
         self.tau_f_hat = tau_f_hat  # held over the step
@@ -194,7 +196,7 @@ class Simulation:
             self.torque_limit,
             self._compensates,
         )
-        return tau_f_hat, self.hardware.command(tau_m), tau_ext
+        return tau_f_hat, self.hardware_model.command(tau_m), tau_ext
 
     def _find_ends(self, before: Array, reasons: dict[int, str]) -> None:
         """Note environments that left the joint range or the finite numbers; put the latter back to `before`."""
@@ -206,8 +208,8 @@ class Simulation:
 
     def observation(self) -> Array:
         """What the joints measure and compute at the coming tick, (num_envs, observation_size); see Signals."""
-        hardware, nominal = self.hardware, self.nominal_motor
-        blocks = [hardware.theta, hardware.theta_dot, hardware.tau_j, nominal.theta, nominal.theta_dot]
+        measured, nominal = self.hardware_model, self.nominal_motor
+        blocks = [measured.theta, measured.theta_dot, measured.tau_j, nominal.theta, nominal.theta_dot]
         blocks += [self.control.theta_d, self.tau_c, self.tau_m]
         if len(self.available) < len(SIGNALS):
             nothing = np.zeros_like(self.tau_c)
@@ -250,7 +252,7 @@ class Simulation:
             self.tau_ext.copy(),
             self.tau_f.copy(),
             self.tau_f_hat.copy(),
-            self.hardware.get_state(),
+            self.hardware_model.get_state(),
         )
 
     def set_state(self, state: SimulationState) -> None:
@@ -263,7 +265,8 @@ class Simulation:
         instance("state", state, SimulationState)
         state.check(self._origin, self.limits, self.last_tick)
         self.plant.check_state(state.plant)
-        self.hardware.check_state(state.hardware)
+        draws = {f"SimulationState.scenarios[{i}].hardware": each.hardware for i, each in enumerate(state.scenarios)}
+        self.hardware_model.check_state(state.hardware, "SimulationState.hardware", draws)
         everyone = np.arange(self.num_envs)
         for i, scenario in enumerate(state.scenarios):
             self._configure(i, scenario)
@@ -275,7 +278,7 @@ class Simulation:
         self.ticks = np.array(state.ticks, dtype=np.int64)
         self.tau_m = np.array(state.tau_m, dtype=np.float64)
         self.tau_ext = np.array(state.tau_ext, dtype=np.float64)
-        self.hardware.set_state(state.hardware, *_drawn(state.scenarios))
+        self.hardware_model.set_state(state.hardware, *_drawn(state.scenarios))
         self._update_control()
 
 

@@ -33,7 +33,7 @@ class Origin:
         task: what it does there: the reference.
         num_envs: size of the batch.
         variant, control_dt, decimation: see `Settings`.
-        effects: names of the hardware's effects.
+        hardware: names of its effects; None where there is no hardware.
     """
 
     robot: str
@@ -42,13 +42,11 @@ class Origin:
     variant: str
     control_dt: float
     decimation: int
-    effects: tuple[str, ...]
+    hardware: tuple[str, ...] | None
 
     @classmethod
     def of(cls, robot: Robot, task: Task, num_envs: int, settings: Settings) -> Origin:
         """That of a simulation."""
-        effects = robot.hardware
-        present = [] if effects is None else [name for name, part in vars(effects).items() if part is not None]
         return cls(
             robot=robot.name,
             task=shown(task.reference),
@@ -56,7 +54,7 @@ class Origin:
             variant=settings.variant,
             control_dt=float(settings.control_dt),
             decimation=int(settings.decimation),
-            effects=tuple(present),
+            hardware=None if robot.hardware is None else tuple(each.name for each in robot.hardware.effects),
         )
 
     def check(self, other: Origin) -> None:
@@ -83,7 +81,7 @@ class SimulationState:
     tau_ext: Array
     tau_f: Array
     tau_f_hat: Array
-    hardware: HardwareState | None
+    hardware: HardwareState
 
     def check(self, origin: Origin, limits: Limits, last_tick: int) -> None:
         """Whether this is a state of a simulation, but for plant and hardware, which check their own parts.
@@ -107,7 +105,7 @@ class SimulationState:
             name = f"SimulationState.scenarios[{i}]"
             instance(name, scenario, Scenario)
             scenario.check(name, dof)
-            for part, wanted in (("target", limits.takes_target), ("hardware", bool(origin.effects))):
+            for part, wanted in (("target", limits.takes_target), ("hardware", origin.hardware is not None)):
                 if (getattr(scenario, part) is not None) != wanted:
                     told = "missing" if wanted else "given"
                     raise ValueError(f"{name}.{part} is {told}; {_SAME}")

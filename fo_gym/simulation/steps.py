@@ -10,7 +10,8 @@ from fo_gym.plant import FlexibleJointPlant
 from fo_gym.plant.steps import PhysicsDt, auto_steps, is_auto
 from fo_gym.robots import Robot
 from fo_gym.simulation.settings import Settings
-from fo_gym.tasks.task import Task, draw_scenario
+from fo_gym.tasks.draw import draw_scenario
+from fo_gym.tasks.task import Task
 
 __all__ = ["followed_dt"]
 

@@ -6,8 +6,9 @@ from fo_gym.hardware import PushTime
 from fo_gym.robots import Robot
 from fo_gym.robots.poses import natural_units
 from fo_gym.tasks.push import fitted_torque
+from fo_gym.tasks.randomization import Randomization
 from fo_gym.tasks.scenario import Push
-from fo_gym.tasks.task import Randomization, Task
+from fo_gym.tasks.task import Task
 from fo_gym.tasks.tool_path import ToolPath
 
 __all__ = ["square"]

@@ -6,9 +6,10 @@ import numpy as np
 
 from fo_gym.hardware import PushTime
 from fo_gym.robots import Robot
+from fo_gym.tasks.randomization import Randomization
 from fo_gym.tasks.scenario import Push
 from fo_gym.tasks.step import Step
-from fo_gym.tasks.task import Randomization, Task
+from fo_gym.tasks.task import Task
 
 __all__ = ["stiction"]
 

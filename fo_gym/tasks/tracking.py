@@ -7,8 +7,9 @@ from fo_gym.robots import Robot
 from fo_gym.robots.poses import natural_units
 from fo_gym.tasks.joint_path import JointPath
 from fo_gym.tasks.push import fitted_torque
+from fo_gym.tasks.randomization import Randomization
 from fo_gym.tasks.scenario import Push
-from fo_gym.tasks.task import Randomization, Task
+from fo_gym.tasks.task import Task
 
 __all__ = ["tracking"]
 

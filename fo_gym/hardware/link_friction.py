@@ -1,0 +1,44 @@
+"""Friction of the links' bearings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fo_gym.checks import NOT_NEGATIVE, POSITIVE, check_values
+from fo_gym.hardware.effect import Effect, Episodes
+from fo_gym.parameters import Value, check_joints
+
+__all__ = ["LinkFriction"]
+
+
+@dataclass(frozen=True, eq=False)
+class LinkFriction(Effect):
+    """Friction of the link's bearings, -(coulomb tanh(q'/width) + viscous q'), which no motor-side observer can see.
+
+    Origin: ours; a tenth of the motor side's, since nearly all friction sits there.
+
+    Attributes:
+        coulomb: [N | N m], at least 0.
+        viscous: [N s/m | N m s/rad], at least 0.
+        width: velocity at which it has nearly reached `coulomb` [m/s | rad/s], above 0.
+    """
+
+    coulomb: Value
+    viscous: Value
+    width: Value
+
+    def __post_init__(self) -> None:
+        check_values(self, coulomb=NOT_NEGATIVE, viscous=NOT_NEGATIVE, width=POSITIVE)
+
+    def check_joints(self, dof: int) -> None:
+        """See Effect."""
+        check_joints(self, dof)
+
+    def link_damping(self, episodes: Episodes) -> NDArray[np.float64]:
+        """See Effect: the friction over q' itself."""
+        speed = episodes.truth.q_dot / self.width
+        share = np.divide(np.tanh(speed), speed, out=np.ones_like(speed), where=speed != 0.0)
+        return np.asarray(self.coulomb / self.width * share + self.viscous)

@@ -1,0 +1,103 @@
+"""The draw of an episode."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fo_gym.generators import Streams
+from fo_gym.hardware import draw_hardware
+from fo_gym.parameters import FlexibleJoint, LuGre, per_joint
+from fo_gym.robots import Robot
+from fo_gym.tasks.randomization import Randomization
+from fo_gym.tasks.scenario import Push, Scenario
+from fo_gym.tasks.task import Task
+
+Array = NDArray[np.float64]
+
+__all__ = ["draw_scenario"]
+
+
+def draw_scenario(robot: Robot, task: Task, variant: str, rng: np.random.Generator) -> Scenario:
+    """One episode of a task on a robot.
+
+    "nominal" draws nothing. The others draw friction, inertia, stiffness, start, target and push, in this order
+    and always all of them, so that an episode without friction has the same draws as one with it. What the hardware
+    draws comes last. Each draw asks for its random stream by the name of its range.
+
+    Args:
+        robot: the nominal robot, with the hardware's effects, if there are any.
+        task: what is varied.
+        variant: one of VARIANTS.
+        rng: the environment's generator.
+    """
+    streams = Streams(rng)
+    scenario = _draw_plain(robot, task, variant, streams)
+    if robot.hardware is None:
+        return scenario
+    drawn = draw_hardware(robot.hardware, per_joint(scenario.joints, robot.dof), streams)
+    push = scenario.push
+    if push is not None and drawn.push_time is not None:
+        push = replace(push, time=drawn.push_time)
+    return replace(scenario, push=push, hardware=drawn)
+
+
+def _draw_plain(robot: Robot, task: Task, variant: str, streams: Streams) -> Scenario:
+    home, target = robot.home, task.reference.target(robot.home)
+    if variant == "nominal":
+        return Scenario(robot.friction, robot.flexible, 1.0, home, target, task.push)
+    spread, dof = task.randomization, robot.dof
+    friction = _draw_friction(robot.friction, spread, streams, dof)
+    joints = _draw_joints(robot.flexible, spread, streams, dof)
+    mass_scale = float(_factor("mass", spread, streams, 1)[0])
+    start = np.broadcast_to(spread.start, (dof,))
+    q_start = home + streams("start").uniform(-start, start)
+    if target is not None:
+        target = task.reference.target(home, _signed("step", spread, streams, dof))
+    strength = float(_signed("push", spread, streams, 1)[0])
+    time = float(streams("push_time").uniform(*spread.push_time))
+    push = None
+    if task.random_push is not None:
+        push = Push(time, task.random_push.duration, task.random_push.torque * strength)
+    return Scenario(friction, joints, mass_scale, q_start, target, push)
+
+
+def _draw_friction(friction: LuGre, spread: Randomization, streams: Streams, dof: int) -> LuGre:
+    nominal = per_joint(friction, dof)
+    f_c = nominal.f_c * _factor("friction", spread, streams, dof)
+    # The ratio f_s / f_c varies about its nominal value, and f_s never falls below f_c.
+    excess = np.divide(nominal.f_s - nominal.f_c, nominal.f_c, out=np.zeros(dof), where=nominal.f_c > 0)
+    f_s = f_c * (1.0 + excess * _factor("stiction", spread, streams, dof))
+    bristle = _factor("bristle", spread, streams, dof)
+    return LuGre(
+        sigma_0=nominal.sigma_0 * bristle,
+        sigma_1=nominal.sigma_1 * np.sqrt(bristle),
+        sigma_2=nominal.sigma_2 * _factor("viscous", spread, streams, dof),
+        f_c=f_c,
+        f_s=f_s,
+        v_s=nominal.v_s * _factor("stribeck", spread, streams, dof),
+    )
+
+
+def _draw_joints(joints: FlexibleJoint, spread: Randomization, streams: Streams, dof: int) -> FlexibleJoint:
+    nominal = per_joint(joints, dof)
+    return replace(
+        nominal,
+        motor_inertia=nominal.motor_inertia * _factor("motor_inertia", spread, streams, dof),
+        stiffness=nominal.stiffness * _factor("stiffness", spread, streams, dof),
+    )
+
+
+def _factor(name: str, spread: Randomization, streams: Streams, size: int) -> Array:
+    """Factors from the range of this name, log-uniform, (size,)."""
+    low, high = getattr(spread, name)
+    return np.exp(streams(name).uniform(math.log(low), math.log(high), size))
+
+
+def _signed(name: str, spread: Randomization, streams: Streams, size: int) -> Array:
+    """Factors from the range of this name, uniform, each with a random sign, (size,)."""
+    rng = streams(name)
+    return rng.uniform(*getattr(spread, name), size) * rng.choice([-1.0, 1.0], size)
