@@ -20,6 +20,7 @@ from fo_gym.cli.evaluate import run_evaluate
 from fo_gym.cli.leaderboard import run_leaderboard
 from fo_gym.cli.list import run_list
 from fo_gym.cli.reproduce import run_reproduce
+from fo_gym.cli.robot import robot_commands
 from fo_gym.cli.sweep import run_sweep
 from fo_gym.cli.tune import run_tune
 from fo_gym.cli.verify import run_verify
@@ -92,3 +93,4 @@ _OWN: dict[str, Callable[..., None]] = {
 }
 for _name, _function in _OWN.items():
     app.command(_name, cls=_Command)(_function)
+app.add_typer(robot_commands, name="robot")

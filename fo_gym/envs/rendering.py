@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.envs.window import Window
+from fo_gym.robots import Robot
 from fo_gym.simulation.simulation import Simulation
 
 Array = NDArray[np.float64]
@@ -39,7 +40,7 @@ _SHAPES = mujoco.mjtGeom
 _MOTOR = "motor"
 _SPRING = ("spring_motor", "spring_link")
 
-__all__ = ["SceneRenderer"]
+__all__ = ["SceneRenderer", "open_images", "picture_of"]
 
 
 def _add(scene: mujoco.MjvScene, shape: int, rgba: Colour, position: Any = (0, 0, 0), size: Any = (0, 0, 0)) -> Any:
@@ -68,6 +69,37 @@ def _coil(start: Array, end: Array, radius: float = 0.010, turns: int = 7) -> Ar
     circle = radius * (np.cos(2.0 * np.pi * turn) * up + np.sin(2.0 * np.pi * turn) * side)
     coil = start + (0.1 + 0.8 * turn / turns) * axis + circle
     return np.vstack([start, start + 0.1 * axis, coil, start + 0.9 * axis, end])
+
+
+def open_images(model: mujoco.MjModel, height: int, width: int) -> mujoco.Renderer:
+    """A renderer of images of this size. Raises RuntimeError where there is no OpenGL."""
+    model.vis.global_.offwidth, model.vis.global_.offheight = width, height
+    try:
+        return mujoco.Renderer(model, height, width, max_geom=MAX_GEOMS)
+    except mujoco.FatalError as error:
+        raise RuntimeError(
+            "there is no OpenGL to draw with; on a machine without display, set the environment variable MUJOCO_GL to "
+            "'egl' or 'osmesa' before Python starts"
+        ) from error
+
+
+def picture_of(robot: Robot, height: int = HEIGHT, width: int = WIDTH) -> NDArray[np.uint8]:
+    """The robot at home, from its camera or from where all of it is seen: (height, width, 3).
+
+    Raises:
+        RuntimeError: there is no OpenGL.
+    """
+    model = robot.link_side.scene
+    data = mujoco.MjData(model)
+    data.qpos[:] = robot.home
+    mujoco.mj_forward(model, data)
+    images = open_images(model, height, width)
+    try:
+        images.update_scene(data, -1 if robot.link_side.camera is None else robot.link_side.camera)
+        picture: NDArray[np.uint8] = images.render()
+        return picture
+    finally:
+        images.close()
 
 
 class SceneRenderer:
@@ -140,24 +172,13 @@ class SceneRenderer:
             self._window.draw(lambda scene: self._decorate(scene, simulation, i))
             return None
         if self._images is None:
-            self._images = self._open_images()
+            self._images = open_images(self._model, self._height, self._width)
         # The headlight follows the camera of the update before: the second makes frames independent of each other.
         for _ in range(2):
             self._images.update_scene(self._data, -1 if self._camera is None else self._camera)
         self._decorate(self._images.scene, simulation, i)
         image: NDArray[np.uint8] = self._images.render()
         return image
-
-    def _open_images(self) -> mujoco.Renderer:
-        screen = self._model.vis.global_
-        screen.offwidth, screen.offheight = self._width, self._height
-        try:
-            return mujoco.Renderer(self._model, self._height, self._width, max_geom=MAX_GEOMS)
-        except mujoco.FatalError as error:
-            raise RuntimeError(
-                "there is no OpenGL to draw with; on a machine without display, set the environment variable "
-                "MUJOCO_GL to 'egl' or 'osmesa' before Python starts"
-            ) from error
 
     def _on_rail(self, theta: Array) -> Array:
         """Where the motor is at theta (1,), on a rail along the world's x: (3,), m."""

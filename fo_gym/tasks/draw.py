@@ -99,5 +99,5 @@ def _factor(name: str, spread: Randomization, streams: Streams, size: int) -> Ar
 
 def _signed(name: str, spread: Randomization, streams: Streams, size: int) -> Array:
     """Factors from the range of this name, uniform, each with a random sign, (size,)."""
-    rng = streams(name)
-    return rng.uniform(*getattr(spread, name), size) * rng.choice([-1.0, 1.0], size)
+    rng, (low, high) = streams(name), getattr(spread, name)
+    return rng.uniform(low, high, size) * rng.choice([-1.0, 1.0], size)
