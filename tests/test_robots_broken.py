@@ -113,7 +113,6 @@ URDFS: dict[str, tuple[str, str]] = {
     "unknown type": (URDF.replace('type="continuous"', 'type="wobbly"'), "joint type"),
     "axis 0": (URDF.replace('xyz="0.2 1 0"', 'xyz="0 0 0"'), "axis too small"),
     "half an origin": (URDF.replace('xyz="0 0.05 0.3"', 'xyz="0 0.05"'), "xyz"),
-    "follows nobody": (URDF.replace('mimic joint="elbow"', 'mimic joint="knee"'), "follows 'knee'; the joints are"),
     "a xacro": ('<robot xmlns:xacro="http://ros.org/xacro" name="x"><xacro:macro/></robot>', "run xacro"),
 }
 

@@ -91,6 +91,18 @@ def test_masses_that_a_urdf_lacks_are_assumed(tmp_path: Path) -> None:
     assert "was balanced" in lines(robot, "assumed", "inertia")[0]
 
 
+def test_who_follows_nobody_stands_still(tmp_path: Path) -> None:
+    robot = Robot.from_file(written(tmp_path / "lost.urdf", URDF.replace('mimic joint="elbow"', 'mimic joint="knee"')))
+    assert robot.joints == ("shoulder", "elbow")
+    assert lines(robot, "dropped", "joint jaw_joint") == ["follows knee, which does not move: it is fixed"]
+
+
+def test_a_body_may_be_the_tool_where_sites_have_a_material_by_default(tmp_path: Path) -> None:
+    text = CRANE.replace("<geom density", '<site material="red"/><geom density')
+    text = text.replace("<contact>", '<asset><material name="red" rgba="1 0 0 1"/></asset><contact>')
+    assert Robot.from_file(written(tmp_path / "red.xml", text), tool="arm").link_side.model.site("arm").matid[0] == -1
+
+
 def test_packages_are_found_beside_and_above(tmp_path: Path) -> None:
     folder = tmp_path / "arm_description"
     (folder / "urdf").mkdir(parents=True)

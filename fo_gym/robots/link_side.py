@@ -105,4 +105,6 @@ def _add_tool(tool: str, spec: mujoco.MjSpec, file: Path) -> None:
         sites = [site.name for site in spec.sites if site.name]
         bodies = [other.name for other in spec.bodies]
         raise ValueError(f"{file}: the tool {tool!r} is not there; sites are {sites}, bodies are {bodies}")
-    body.add_site(name=tool, pos=np.zeros(3), quat=[1.0, 0.0, 0.0, 0.0], size=[1e-3, 1e-3, 1e-3], rgba=[0.0] * 4)
+    body.add_site(
+        name=tool, material="", pos=np.zeros(3), quat=[1.0, 0.0, 0.0, 0.0], size=[1e-3, 1e-3, 1e-3], rgba=[0.0] * 4
+    )

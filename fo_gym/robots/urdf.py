@@ -46,7 +46,7 @@ def urdf_for_mujoco(file: Path, notes: Notes) -> str:
     for joint in root.findall("joint"):
         _check_limit(file, joint)
         _plain_joint(joint, notes)
-    _hold_followers(file, root, notes)
+    _hold_followers(root, notes)
     for link in root.iter("link"):
         _check_inertial(file, link, notes)
     _fill_massless(root, parents, notes)
@@ -110,16 +110,11 @@ def _plain_joint(joint: ET.Element, notes: Notes) -> None:
         notes.assumed(what, "its limits are equal, or missing: it turns without limits")
 
 
-def _hold_followers(file: Path, root: ET.Element, notes: Notes) -> None:
-    """Joints that follow one which does not move do not move either; MuJoCo only warns of them."""
-    names = [joint.get("name") for joint in root.findall("joint")]
+def _hold_followers(root: ET.Element, notes: Notes) -> None:
+    """Joints that follow one which does not move, or is not there, do not move either; MuJoCo only warns of them."""
     moving = {joint.get("name") for joint in root.findall("joint") if joint.get("type") in _SCALAR}
     for joint in root.findall("joint"):
         mimic = joint.find("mimic")
-        if mimic is not None and mimic.get("joint") not in names:
-            raise ValueError(
-                f"{file}: joint {joint.get('name')!r} follows {mimic.get('joint')!r}; the joints are {shown(names)}"
-            )
         if mimic is None or (joint.get("type") in _SCALAR and mimic.get("joint") in moving):
             continue
         joint.remove(mimic)
