@@ -50,7 +50,7 @@ FLOW = (
 )
 LEVEL = {part: level for level, parts in enumerate(FLOW) for part in parts}
 # What plug-ins may build on: the package itself, and what its own parts share.
-PUBLIC = ("fo_gym", "fo_gym.checks", "fo_gym.console", "fo_gym.extras", "fo_gym.files", "fo_gym.sb3")
+PUBLIC = ("fo_gym", "fo_gym.checks", "fo_gym.console", "fo_gym.extras", "fo_gym.files", "fo_gym.hardware", "fo_gym.sb3")
 MODERN_RANDOM = {"Generator", "BitGenerator", "SeedSequence", "default_rng", "PCG64"}
 
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
-
 import numpy as np
 import pytest
+from effects import DT, begin, joints, measured
 from environments import IDS, every_env, make
 from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
@@ -13,52 +12,43 @@ from scipy.signal import lfilter
 import fo_gym
 from fo_gym import Signals
 from fo_gym import hardware as hw
-from fo_gym.hardware import Hardware, HardwareDraw, Imperfections, Sensing, SensorModel
+from fo_gym.hardware import Hardware
 
 STICTION, REGULATION, SQUARE = IDS
-DT = 1e-3
-EFFECTS = [field.name for field in fields(Hardware)]
-STILL = HardwareDraw(None, 1.0, np.zeros(2), np.zeros(2), np.zeros(2), None, 7)  # type: ignore[arg-type]
-
-
-def sensing(model, tachometer=False, draw=STILL, theta=0.0):
-    """Sensors of two joints of one robot, at rest at theta."""
-    sensors = Sensing(model, 1, 2, DT, tachometer=tachometer)
-    sensors.reset(np.array([0]), np.full((1, 2), theta), np.zeros((1, 2)), [draw])
-    return sensors
 
 
 class TestSensors:
     def test_the_encoder_counts_steps_and_its_velocity_is_their_filtered_difference(self):
         theta = np.cumsum(np.random.default_rng(0).normal(scale=1e-3, size=(300, 2)), axis=0)
-        sensors = sensing(SensorModel(hw.MotorEncoder(resolution=np.array([1e-3, 2e-4]), cutoff=500.0)))
-        seen = []
-        for each in theta:
-            sensors.sample(each[None], np.zeros((1, 2)), np.zeros((1, 2)))
-            seen.append((sensors.theta[0].copy(), sensors.theta_dot[0].copy()))
-        positions, velocities = map(np.array, zip(*seen, strict=True))
+        encoder = hw.MotorEncoder(resolution=np.array([1e-3, 2e-4]), cutoff=500.0)
+        episodes = begin(encoder)
+        seen = [measured(encoder, episodes, theta=each) for each in theta]
         steps = np.rint(theta / [1e-3, 2e-4]) * [1e-3, 2e-4]
-        np.testing.assert_allclose(positions, steps, atol=1e-15)
+        np.testing.assert_allclose([each.theta for each in seen], steps, atol=1e-15)
         weight = 1.0 - np.exp(-500.0 * DT)
         difference = np.diff(np.vstack([np.zeros((1, 2)), steps]), axis=0) / DT
-        np.testing.assert_allclose(velocities, lfilter([weight], [1, weight - 1], difference, axis=0), atol=1e-9)
+        expected = lfilter([weight], [1, weight - 1], difference, axis=0)
+        np.testing.assert_allclose([each.theta_dot for each in seen], expected, atol=1e-9)
+
+    @pytest.mark.parametrize("resolution", [0.0, 1e-3])
+    def test_one_resolution_for_all_joints_is_the_same_for_each(self, resolution):
+        one, each = hw.MotorEncoder(resolution, 300.0), hw.MotorEncoder(np.full(2, resolution), 300.0)
+        episodes = begin(one), begin(each)
+        for theta in np.random.default_rng(0).normal(size=(20, 2)):
+            first, second = (measured(*pair, theta=theta) for pair in zip((one, each), episodes, strict=True))
+            np.testing.assert_array_equal(first, second)
 
     def test_the_torque_sensor_is_a_first_order_low_pass(self):
         """The step response at the ticks is 1 - exp(-w t)."""
-        sensors = sensing(SensorModel(torque=hw.TorqueSensor(noise=0.0, offset=0.0, cutoff=300.0)))
-        answer = []
-        for _ in range(50):
-            sensors.sample(np.zeros((1, 2)), np.zeros((1, 2)), np.full((1, 2), 4.0))
-            answer.append(sensors.tau_j[0, 0])
+        sensor = hw.TorqueSensor(noise=0.0, offset=0.0, cutoff=300.0)
+        episodes = begin(sensor, drawn={"offset": np.zeros(2)})
+        answer = [measured(sensor, episodes, tau_j=4.0).tau_j[0] for _ in range(50)]
         np.testing.assert_allclose(answer, 4.0 * (1 - np.exp(-300.0 * DT * np.arange(1, 51))), rtol=1e-12)
 
     def test_noise_is_white_and_offset_stays(self):
-        draw = replace(STILL, torque_offset=np.array([0.3, -0.2]))
-        sensors = sensing(SensorModel(torque=hw.TorqueSensor(noise=np.array([0.1, 0.5]), offset=1.0)), draw=draw)
-        seen = []
-        for _ in range(20_000):
-            sensors.sample(np.zeros((1, 2)), np.zeros((1, 2)), np.zeros((1, 2)))
-            seen.append(sensors.tau_j[0].copy())
+        sensor = hw.TorqueSensor(noise=np.array([0.1, 0.5]), offset=1.0)
+        episodes = begin(sensor, drawn={"offset": np.array([0.3, -0.2])})
+        seen = [measured(sensor, episodes).tau_j for _ in range(20_000)]
         noise = np.array(seen) - [0.3, -0.2]
         assert np.abs(noise.mean(axis=0) / [0.1, 0.5]).max() < 4 / np.sqrt(20_000)
         np.testing.assert_allclose(noise.std(axis=0), [0.1, 0.5], rtol=0.03)
@@ -66,10 +56,20 @@ class TestSensors:
             assert abs(np.corrcoef(joint[1:], joint[:-1])[0, 1]) < 0.03
 
     def test_a_tachometer_measures_velocity_itself(self):
-        sensors = sensing(SensorModel(hw.MotorEncoder(resolution=1.0)), tachometer=True)
-        sensors.sample(np.full((1, 2), 0.4), np.full((1, 2), 0.123), np.zeros((1, 2)))
-        assert sensors.theta_dot.tolist() == [[0.123, 0.123]]
-        assert sensors.theta.tolist() == [[0.0, 0.0]]
+        encoder = hw.MotorEncoder(resolution=1.0)
+        readings = measured(encoder, begin(encoder, tachometer=True), theta=0.4, theta_dot=0.123)
+        assert readings.theta_dot.tolist() == [0.123, 0.123]
+        assert readings.theta.tolist() == [0.0, 0.0]
+
+    @every_env
+    def test_without_sensors_the_readings_are_the_truth(self, env_id):
+        """To the last bit."""
+        env = make(env_id, variant="randomized", hardware=Hardware())
+        rng = np.random.default_rng(0)
+        for _ in range(20):
+            env.step(0.1 * env.action_space.high * rng.uniform(-1.0, 1.0, env.action_space.shape))
+            for name, array in env.simulation.hardware_model.readings._asdict().items():
+                np.testing.assert_array_equal(array, getattr(env.simulation.plant, name), err_msg=name)
 
     @every_env
     def test_every_look_sees_the_same(self, env_id):
@@ -83,34 +83,35 @@ class TestSensors:
 
 
 class TestJoint:
-    def imperfections(self, **effects):
-        joint = Imperfections(Hardware(**effects), 1, 2, DT, np.array([2.0, 3.0]))
-        draw = replace(STILL, ripple_phase=np.array([0.5, 1.0]), temperature=np.array([10.0, 20.0]))
-        joint.reset(np.array([0]), np.array([[0.1, 0.2]]), [draw])
-        return joint
-
     def test_commands_come_late_and_the_first_hold_the_joint(self):
-        joint = self.imperfections(delay=hw.CommandDelay(3e-3))
-        came = [joint.command(np.full((1, 2), float(k)))[0, 0] for k in range(1, 7)]
+        delay = hw.CommandDelay(3e-3)
+        episodes = begin(delay, tau_j=[0.1, 0.2])
+        came = [delay.command(np.full((1, 2), float(k)), episodes)[0, 0] for k in range(1, 7)]
         assert came == [0.1, 0.1, 0.1, 1.0, 2.0, 3.0]
 
-    def test_saturation_is_a_share_of_the_limit(self):
-        joint = self.imperfections(saturation=hw.TorqueSaturation(0.5))
-        assert joint.command(np.array([[5.0, -5.0]])).tolist() == [[1.0, -1.5]]
+    def test_without_delay_the_command_is_the_torque(self):
+        delay = hw.CommandDelay(0.0)
+        assert delay.command(np.array([[50.0, -50.0]]), begin(delay)).tolist() == [[50.0, -50.0]]
 
-    def test_without_saturation_the_command_is_the_torque(self):
-        assert self.imperfections().command(np.array([[50.0, -50.0]])).tolist() == [[50.0, -50.0]]
+    def test_saturation_is_a_share_of_the_limit(self):
+        saturation = hw.TorqueSaturation(0.5)
+        assert saturation.command(np.array([[5.0, -5.0]]), begin(saturation)).tolist() == [[1.0, -1.5]]
 
     def test_ripple_goes_round_with_the_motor(self):
-        joint = self.imperfections(ripple=hw.GearRipple(amplitude=0.3, period=0.01))
+        ripple, phase = hw.GearRipple(amplitude=0.3, period=0.01), np.array([0.5, 1.0])
+        episodes = begin(ripple, drawn={"phase": phase})
         for theta in (0.0, 0.002, 0.0123):
-            expected = 0.3 * np.sin(2 * np.pi * theta / 0.01 + np.array([0.5, 1.0]))
-            np.testing.assert_allclose(joint.motor_torque(np.full((1, 2), theta))[0], expected, atol=1e-12)
+            episodes.truth = joints(theta=theta)
+            expected = 0.3 * np.sin(2 * np.pi * theta / 0.01 + phase)
+            np.testing.assert_allclose(ripple.motor_torque(episodes)[0], expected, atol=1e-12)
 
     def test_load_and_temperature(self):
-        joint = self.imperfections(load=hw.LoadFriction(0.1), temperature=hw.Temperature(rise=4.0, time=2.0))
-        dry, added, viscous = joint.friction(np.array([1000]), np.array([[3.0, -5.0]]))
-        temperature = np.array([10.0, 20.0]) + 4.0 * (1 - np.exp(-0.5))
+        load, warm = hw.LoadFriction(0.1), hw.Temperature(rise=4.0, time=2.0)
+        start = np.array([10.0, 20.0])
+        episodes = begin(warm, drawn={"start": start}, tau_j=[3.0, -5.0])
+        episodes.time = np.array([[1.0]])
+        dry, added, viscous = load.friction(episodes).then(warm.friction(episodes))
+        temperature = start + 4.0 * (1 - np.exp(-0.5))
         np.testing.assert_allclose(added[0], [0.3, 0.5])
         np.testing.assert_allclose(dry[0], np.exp(-0.005 * temperature))
         np.testing.assert_allclose(viscous[0], np.exp(-0.02 * temperature))
@@ -153,7 +154,7 @@ class TestJoint:
         """A frictionless motor in balance under PD: K_p (theta - theta_d) = ripple."""
         ripple = hw.GearRipple(amplitude=0.2, period=1.0)
         env = make(STICTION, friction=fo_gym.FRICTIONLESS, hardware=Hardware(ripple=ripple), decimation=100)
-        phase = env.simulation.scenarios[0].hardware.ripple_phase[0]
+        phase = env.simulation.scenarios[0].hardware.drawn["GearRipple"]["phase"][0]
         for _ in range(150):
             *_, info = env.step([0.0])
         theta = info["theta"][0]

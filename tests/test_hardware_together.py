@@ -16,7 +16,7 @@ from fo_gym import hardware as hw
 from fo_gym.hardware import Hardware, SensorModel
 
 STICTION, REGULATION, SQUARE = IDS
-EFFECTS = [field.name for field in fields(Hardware)]
+EFFECTS = [field.name for field in fields(Hardware) if field.name != "others"]
 
 
 def only(env_id, name):
@@ -64,8 +64,9 @@ class TestTogether:
         full = make(env_id, variant="hardware").simulation.scenarios[0]
         for name in ("load", "ripple", "temperature", "delay"):
             less = make(env_id, variant="hardware", hardware=replace(own, **{name: None})).simulation.scenarios[0]
-            for field in ("torque_offset", "ripple_phase", "temperature", "noise_seed", "believed_mass", "push_time"):
-                np.testing.assert_array_equal(getattr(less.hardware, field), getattr(full.hardware, field))
+            np.testing.assert_equal(less.hardware.noise_seeds, full.hardware.noise_seeds)
+            for effect, drawn in less.hardware.drawn.items():
+                np.testing.assert_equal(drawn, full.hardware.drawn[effect], err_msg=f"{effect} without {name}")
             np.testing.assert_array_equal(less.friction.f_c, full.friction.f_c)
 
     @every_env

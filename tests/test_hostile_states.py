@@ -56,7 +56,7 @@ def replaced(state: Any, path: tuple[str, ...], value: Any) -> Any:
     """The state with a part of a part replaced, where the last may be a key."""
     name, *rest = path
     if isinstance(state, dict):
-        return {**state, name: value}
+        return {**state, name: replaced(state[name], tuple(rest), value) if rest else value}
     inner = replaced(getattr(state, name), tuple(rest), value) if rest else value
     return replace(state, **{name: inner})
 
@@ -65,9 +65,9 @@ def array_fields(state: SimulationState) -> dict[tuple[str, ...], Any]:
     """All arrays of a state, by their path."""
     found = {(each.name,): getattr(state, each.name) for each in fields(state)}
     found |= {("plant", each.name): getattr(state.plant, each.name) for each in fields(state.plant)}
-    if state.hardware is not None:
-        found[("hardware", "commands")] = state.hardware.commands
-        found |= {("hardware", "sensing", name): value for name, value in state.hardware.sensing.items()}
+    found |= {("hardware", "readings", name): value for name, value in state.hardware.readings.items()}
+    for effect, memory in state.hardware.memory.items():
+        found |= {("hardware", "memory", effect, name): value for name, value in memory.items()}
     return {path: value for path, value in found.items() if isinstance(value, np.ndarray)}
 
 
@@ -115,6 +115,13 @@ def test_scenarios_of_another_robot_or_task() -> None:
     draw = scenario.hardware
     assert draw is not None
     name = "SimulationState.scenarios[0]"
+    wrong_draws = (
+        replace(draw, drawn={}),
+        replace(draw, drawn={**draw.drawn, "TorqueSensor": {"offset": np.zeros(3)}}),
+        replace(draw, noise_seeds={"TorqueSensor": -1}),
+        replace(draw, noise_seeds={}),
+        replace(draw, push_time=-1.0),
+    )
     bad: dict[str, tuple[Any, ...]] = {
         "q_start": (np.zeros(6), None, "x", np.full(7, math.nan)),
         "target": (np.zeros(6), None, "x"),
@@ -122,7 +129,7 @@ def test_scenarios_of_another_robot_or_task() -> None:
         "friction": (None, 1.0, draw.believed),
         "joints": (None, 1.0, scenario.friction),
         "push": (1.0, "push"),
-        "hardware": (None, 1.0, replace(draw, torque_offset=np.zeros(3)), replace(draw, noise_seed=-1)),
+        "hardware": (None, 1.0, *wrong_draws),
     }
 
     def with_part(field: str, value: Any) -> Any:
@@ -135,7 +142,7 @@ def test_scenarios_of_another_robot_or_task() -> None:
         if not isinstance(value, type(draw))
     )
     for wrong in bad["hardware"][2:]:
-        with pytest.raises(ValueError, match=r"scenarios\[0\]\.hardware\.(torque_offset|noise_seed) is"):
+        with pytest.raises(ValueError, match=r"scenarios\[0\]\.hardware\.(drawn|noise_seeds|push_time).* is"):
             env.set_state(with_part("hardware", wrong))
 
 
@@ -144,7 +151,7 @@ OTHERS: tuple[tuple[str, str, dict[str, Any]], ...] = (
     ("task", SQUARE, {}),
     ("variant", REGULATION, {"variant": "hardware"}),
     ("variant", REGULATION, {"variant": "randomized"}),
-    ("effects", REGULATION, {"hardware": fo_gym.Hardware()}),
+    ("hardware", REGULATION, {"hardware": fo_gym.Hardware()}),
     ("control_dt", REGULATION, {"control_dt": 2e-3}),
     ("decimation", REGULATION, {"decimation": 2}),
 )

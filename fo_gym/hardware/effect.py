@@ -68,6 +68,10 @@ class FrictionChange(NamedTuple):
     added: Array | float = 0.0
     viscous: Array | float = 1.0
 
+    def then(self, other: FrictionChange) -> FrictionChange:
+        """Both changes together."""
+        return FrictionChange(self.dry * other.dry, self.added + other.added, self.viscous * other.viscous)
+
 
 @dataclass(eq=False)
 class Episodes:
@@ -95,7 +99,9 @@ class Episodes:
     generators: list[np.random.Generator]
 
     def standard_normal(self) -> Array:
-        """New noise for every episode and joint, (n, dof)."""
+        """New noise for every episode and joint, (n, dof). Raises ValueError where the effect is not `noisy`."""
+        if not self.generators:
+            raise ValueError("the effect draws noise; give its class noisy = True")
         dof = len(self.torque_limit)
         return np.array([generator.standard_normal(dof) for generator in self.generators])
 
@@ -105,7 +111,7 @@ class Episodes:
             for name, array in others.items():
                 own[name] = own[name].copy()
                 own[name][ids] = array
-        for i, generator in zip(ids, new.generators, strict=False):
+        for i, generator in zip(ids, new.generators, strict=bool(self.generators)):
             self.generators[i] = generator
 
 

@@ -59,5 +59,7 @@ class MotorEncoder(Effect):
         return readings._replace(theta=theta, theta_dot=memory["theta_dot"])
 
     def _steps(self, theta: Array) -> Array:
-        step = np.broadcast_to(np.asarray(self.resolution, dtype=np.float64), theta.shape)
+        step = self.resolution
+        if isinstance(step, float):
+            return np.rint(theta / step) * step if step > 0 else theta
         return np.where(step > 0, np.rint(theta / np.where(step > 0, step, 1.0)) * step, theta)

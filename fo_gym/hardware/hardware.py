@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, field
 
-from fo_gym.checks import instance, shown, text
+from fo_gym.checks import instance, text
 from fo_gym.hardware.command_delay import CommandDelay
 from fo_gym.hardware.effect import Effect
 from fo_gym.hardware.gear_ripple import GearRipple
@@ -62,9 +62,7 @@ class Hardware:
         instance("Hardware.sensors", self.sensors, SensorModel)
         for name, kind in _KINDS.items():
             instance(f"Hardware.{name}", getattr(self, name), kind, none="none")
-        if not isinstance(self.others, tuple | list):
-            raise ValueError(f"Hardware.others is {shown(self.others)}; give a tuple of effects")
-        object.__setattr__(self, "others", tuple(self.others))
+        instance("Hardware.others", self.others, tuple)
         for i, effect in enumerate(self.others):
             instance(f"Hardware.others[{i}]", effect, Effect)
             text(f"Hardware.others[{i}].name", effect.name)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from fo_gym.checks import instance, mapping, real_arrays
 from fo_gym.generators import Streams, check_random_states, restored
 from fo_gym.hardware.draw import HardwareDraw, check_draw, draw_hardware
-from fo_gym.hardware.effect import Effect, Episodes, Readings, Truth
+from fo_gym.hardware.effect import Effect, Episodes, FrictionChange, Readings, Truth
 from fo_gym.hardware.hardware import Hardware
 from fo_gym.hardware.rehearsal import begun, check_hooks
 from fo_gym.parameters import FlexibleJoint
@@ -32,7 +32,7 @@ class HardwareState:
     """What the hardware remembers.
 
     Attributes:
-        readings: of the sensors, by signal, (num_envs, dof) each.
+        readings: of the sensors, by signal, (num_envs, dof) each; empty where they give the truth.
         memory: of the effects, by effect and by name, (num_envs, ...) each.
         generators: states of the noisy effects' random generators, by effect, one for each environment.
     """
@@ -132,6 +132,9 @@ class HardwareModel:
 
     def look(self) -> None:
         """Sample the sensors, once per tick: every look takes new noise."""
+        if not self._effects:
+            self.readings = Readings(self.plant.theta, self.plant.theta_dot, self.plant.tau_j)
+            return
         readings = self._now().readings
         for effect, episodes in self._asked["measure"]:
             readings = effect.measure(readings, episodes)
@@ -146,23 +149,24 @@ class HardwareModel:
     def step(self, tau_m: Array, tau_ext: Array) -> None:
         """Advance one control period under the motors' torque and the push, with what gears and bearings add."""
         if self._asked["friction"]:
-            dry: Array | float = 1.0
-            added: Array | float = 0.0
-            viscous: Array | float = 1.0
+            change = FrictionChange()
             for effect, episodes in self._asked["friction"]:
-                change = effect.friction(episodes)
-                dry, added, viscous = dry * change.dry, added + change.added, viscous * change.viscous
-            self.plant.vary_friction(dry, added, viscous)
+                change = change.then(effect.friction(episodes))
+            self.plant.vary_friction(*change)
         if self._asked["link_damping"]:
             self.plant.link_damping[:] = sum(effect.link_damping(each) for effect, each in self._asked["link_damping"])
         for effect, episodes in self._asked["motor_torque"]:
             tau_m = tau_m + effect.motor_torque(episodes)
         self.plant.step(tau_m, tau_ext)
 
+    def _imperfect(self) -> dict[str, Array]:
+        """The readings, by signal, where an effect has made them: they cannot be had again from the truth."""
+        return self.readings._asdict() if self._asked["measure"] else {}
+
     def get_state(self) -> HardwareState:
         """A copy of what sensors and effects remember."""
         return HardwareState(
-            readings={name: array.copy() for name, array in self.readings._asdict().items()},
+            readings={name: array.copy() for name, array in self._imperfect().items()},
             memory={
                 effect.name: {name: array.copy() for name, array in episodes.memory.items()}
                 for effect, episodes in self._effects
@@ -182,7 +186,7 @@ class HardwareModel:
             draws: those of its episodes, by what to call them.
         """
         instance(name, state, HardwareState)
-        real_arrays(f"{name}.readings", state.readings, self.readings._asdict())
+        real_arrays(f"{name}.readings", state.readings, self._imperfect())
         for part in ("memory", "generators"):
             mapping(f"{name}.{part}", getattr(state, part), [effect.name for effect, _ in self._effects])
         for effect, episodes in self._effects:
@@ -200,4 +204,4 @@ class HardwareModel:
             memory = state.memory[effect.name]
             episodes.memory = {name: np.array(memory[name], dtype=np.float64) for name in episodes.memory}
             episodes.generators = restored(state.generators[effect.name])
-        self.readings = Readings(**{name: np.array(state.readings[name]) for name in Readings._fields})
+        self.readings = self.readings._replace(**{name: np.array(state.readings[name]) for name in self._imperfect()})

@@ -147,8 +147,10 @@ class FlexibleJointPlant:
             dry, viscous: factors, (num_envs, dof) or numbers.
             added: [N | N m], likewise.
         """
-        sigma_2, f_c, f_s = np.moveaxis(self._friction, -1, 0)
-        self._parameters[..., _FRICTION] = np.stack([viscous * sigma_2, dry * f_c + added, dry * f_s + added], axis=-1)
+        own = self._friction
+        values = (viscous * own[..., 0], dry * own[..., 1] + added, dry * own[..., 2] + added)
+        for column, value in zip(_FRICTION, values, strict=True):
+            self._parameters[..., column] = value
 
     def advise(self, ids: NDArray[np.intp], q: Array) -> StepAdvice:
         """The largest micro-step that follows each joint in all of the named environments at q (n, dof), and why."""
