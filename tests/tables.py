@@ -12,7 +12,7 @@ SIX = ("pid-low", "pid-high", "pd-low", "pd-high", "letien-low", "letien-high")
 PACKAGES = {name: f"version_{name.replace('-', '_')}" for name in ("fo-gym", "gymnasium", "mujoco", "numba", "numpy")}
 PACKAGES["scipy"] = "version_scipy"
 PROVENANCE = ["origin", "learned", "competitor_hash", "protocol", "processor", *PACKAGES.values(), "version_python"]
-KEYS = ["env", "variant", "compensator"]
+KEYS = ["env", "robot", "variant", "compensator"]
 
 
 def synthetic(

@@ -44,10 +44,18 @@ def test_a_meeting_is_short_everywhere(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_columns_and_their_order(scores: dict[str, pd.DataFrame]) -> None:
     expected = [*KEYS, "seed", "status", "error", *METRICS, "joint_unit", *PROVENANCE]
-    assert expected[6] == "frr"
+    assert expected[7] == "frr"
     assert all(list(table) == expected for table in scores.values())
     row = scores["pid-low"].iloc[0]
-    assert row[[*KEYS, "status", "error", "joint_unit"]].tolist() == [STICTION, "nominal", "pid-low", "ok", "", "m"]
+    assert row[[*KEYS, "status", "error", "joint_unit"]].tolist() == [
+        STICTION,
+        "single_link",
+        "nominal",
+        "pid-low",
+        "ok",
+        "",
+        "m",
+    ]
     assert math.isnan(row["contour_error_mm"])
 
 

@@ -90,6 +90,7 @@ CHANGES = {
     "environments": (STICTION,),
     "variants": ("nominal",),
     "compensators": ("pd-low",),
+    "robots": {"mine": "miro_like"},
 }
 
 

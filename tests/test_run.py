@@ -233,7 +233,7 @@ def test_results_are_written_over_older_ones(folder: Path, protocol: Protocol, r
     out.mkdir()
     (out / "episodes.csv").write_text("older", encoding="utf-8")
     written = write_results(protocol, results, out)
-    assert (out / "episodes.csv").read_text(encoding="utf-8").startswith("env,variant,compensator,seed,")
+    assert (out / "episodes.csv").read_text(encoding="utf-8").startswith("env,robot,variant,compensator,seed,")
     assert sorted(written) == sorted(path for path in out.rglob("*") if path.is_file())
 
 

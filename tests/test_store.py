@@ -115,7 +115,7 @@ def test_a_changed_competitor_is_computed_alone(first: Run) -> None:
     Path("mine.py").write_text(MINE.replace("80.0", "90.0"), encoding="utf-8")
     after = run_it()
     assert after.results.stored == 1
-    assert after.told[0] == f"{SQUARE} nominal: pd-low, from the store"
+    assert after.told[0] == f"{SQUARE}, nominal: pd-low, from the store"
     changed = first.results.episodes.compare(after.results.episodes)
     assert changed.index.tolist() == [2]
     assert {"frr", "competitor_hash"} <= set(changed.columns.get_level_values(0))

@@ -182,7 +182,7 @@ def test_no_name_leaves_the_folder_or_takes_the_file_of_another(tmp_path: Path) 
     ]
     rows = synthetic({name: [0.5] for name in names})
     signals = {"time": np.zeros(1, np.float32)}
-    traces = [Trace(SQUARE, "randomized", name, 0, "worst", 0.5, "rad", signals) for name in names]
+    traces = [Trace(SQUARE, "miro_like", "randomized", name, 0, "worst", 0.5, "rad", signals) for name in names]
     index = write_traces(traces, rows, tmp_path / "traces")
     files = [str(name) for name in read_csv(index.read_text(encoding="utf-8"))["file"]]
     assert len(set(map(str.lower, files))) == len(names)
@@ -194,4 +194,4 @@ def test_no_name_leaves_the_folder_or_takes_the_file_of_another(tmp_path: Path) 
 def test_an_index_without_traces_has_its_columns(tmp_path: Path) -> None:
     index = write_traces([], synthetic({"a": [math.nan]}), tmp_path)
     table = pd.read_csv(index)
-    assert (len(table), list(table)[:5]) == (0, ["env", "variant", "compensator", "seed", "place"])
+    assert (len(table), list(table)[:6]) == (0, ["env", "robot", "variant", "compensator", "seed", "place"])

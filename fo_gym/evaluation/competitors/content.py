@@ -34,7 +34,7 @@ SUITE = ("fo_gym", "envs_assets")
 # Running and scoring; where the process of a stranger's code begins, and what answers there, which are named as text;
 # the package itself, which registers the environments by name.
 _GUARD = "fo_gym.evaluation.competitors.guard"
-_COMPUTES = ("fo_gym.evaluation.runs.trial", f"{_GUARD}.boot", f"{_GUARD}.server", "fo_gym")
+_COMPUTES = ("fo_gym.evaluation.runs.trial", f"{_GUARD}.boot", f"{_GUARD}.server", "fo_gym", "envs_assets")
 _ENVIRONMENTS = Path(__file__).parents[2] / "envs"
 _LONGEST_NAME = 200
 

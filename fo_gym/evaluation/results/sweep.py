@@ -46,7 +46,7 @@ class Grid:
     def __post_init__(self) -> None:
         if not self.gains:
             raise ValueError("no gain is swept; give the values of at least one, such as {'L': [50, 100, 200]}")
-        taken = set(failed_rows(EpisodeSet("", "", (0,), {}), "", "").columns)
+        taken = set(failed_rows(EpisodeSet("FJRStiction-v0", "nominal", (0,), {}), "", "").columns)
         for name, values in self.gains.items():
             if name in taken:
                 raise ValueError(f"gain {name!r} has the name of a column of the results; sweep it under another name")

@@ -52,7 +52,9 @@ class Protocol:
         text("protocol: name", self.name)
         choice(f"protocol {self.name!r}: split", self.split, SPLITS)
         for value in self.variants:
-            choice(f"protocol {self.name!r}: variant", value, VARIANTS)
+            if value not in VARIANTS:
+                known = ", ".join(VARIANTS)
+                raise ValueError(f"protocol {self.name!r}: unknown variant {value!r}; known are {known}")
         for what, names in (
             ("environments", self.environments),
             ("variants", self.variants),
