@@ -16,7 +16,7 @@ from tables import KEYS, PACKAGES, PROVENANCE, SIX, STICTION
 
 from fo_gym import ENVIRONMENTS, FRICTIONLESS, evaluate
 from fo_gym.evaluation.competitors.entry import competitor_of
-from fo_gym.evaluation.episode.recording import record
+from fo_gym.evaluation.episode.recorder import record
 from fo_gym.evaluation.metrics import METRICS
 from fo_gym.evaluation.runs.episodes import EpisodeSet
 from fo_gym.evaluation.runs.meeting import meet

@@ -15,8 +15,9 @@ from fo_gym.evaluation.competitors.competitor import Competitor
 from fo_gym.evaluation.competitors.guard.limits import Limits
 from fo_gym.evaluation.episode.recording import References
 from fo_gym.evaluation.runs.backends import Processes
+from fo_gym.evaluation.runs.contest import Contest
 from fo_gym.evaluation.runs.episodes import EpisodeSet
-from fo_gym.evaluation.runs.run import Contest, run_contests
+from fo_gym.evaluation.runs.run import run_contests
 from fo_gym.evaluation.runs.trial import reference_trials
 
 ATTACKS = Path(__file__).parent / "attacks"

@@ -9,8 +9,8 @@ import pytest
 from tables import SIX, SQUARE, STICTION
 
 from fo_gym import ENVIRONMENTS
+from fo_gym.evaluation.runs.contest import competitors_of
 from fo_gym.evaluation.runs.protocol import Protocol, load_protocol, shipped_protocols
-from fo_gym.evaluation.runs.run import competitors_of
 from fo_gym.tasks.variants import VARIANTS
 
 SMALL = Protocol("small", "validation", 2, (SQUARE,), ("nominal", "randomized"), ("pid-low", "pd-low"))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+from dataclasses import fields
 from pathlib import Path
 
 import gymnasium as gym
@@ -49,6 +50,11 @@ def test_the_environments_of_the_readme_run() -> None:
     assert grid[["L", "Lp"]].to_numpy().tolist() == [[L, Lp] for L in (50, 100, 200) for Lp in (20, 30)]  # type: ignore[index]
     assert isinstance(envs, gym.vector.VectorEnv)
     assert envs.num_envs == 256
+
+
+def test_the_readme_names_every_argument_of_an_environment() -> None:
+    (listed,) = re.findall(r"Arguments of every\s+environment: (.*?); they are", README, re.DOTALL)
+    assert re.findall(r"`(\w+)`", listed) == [*(each.name for each in fields(fo_gym.Settings)), "render_mode"]
 
 
 def test_every_file_that_the_pages_name_exists() -> None:

@@ -14,8 +14,9 @@ import fo_gym
 from fo_gym.evaluation.metrics import METRICS
 from fo_gym.evaluation.results.leaderboard import leaderboard, standings
 from fo_gym.evaluation.results.report import write_results
+from fo_gym.evaluation.runs.contest import Results
 from fo_gym.evaluation.runs.protocol import Protocol
-from fo_gym.evaluation.runs.run import Results, run_protocol
+from fo_gym.evaluation.runs.run import run_protocol
 from fo_gym.evaluation.runs.seeds import LEADERBOARD_SEEDS
 
 pytestmark = pytest.mark.usefixtures("short_episodes")

@@ -16,9 +16,10 @@ from tables import SQUARE, STICTION
 from fo_gym.evaluation.competitors.competitor import Competitor
 from fo_gym.evaluation.competitors.content import Content
 from fo_gym.evaluation.runs import store as store_module
+from fo_gym.evaluation.runs.contest import Results
 from fo_gym.evaluation.runs.episodes import EpisodeSet
 from fo_gym.evaluation.runs.protocol import Protocol
-from fo_gym.evaluation.runs.run import Results, run_protocol
+from fo_gym.evaluation.runs.run import run_protocol
 from fo_gym.evaluation.runs.store import Store, key_of
 from fo_gym.evaluation.runs.trial import NONE
 from fo_gym.files import csv

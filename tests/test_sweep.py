@@ -21,8 +21,9 @@ from fo_gym.evaluation.metrics import METRICS
 from fo_gym.evaluation.results.sweep import Grid, Plan, summary_of
 from fo_gym.evaluation.results.sweep_figure import sweep_figure
 from fo_gym.evaluation.runs.backends import Processes, Task
+from fo_gym.evaluation.runs.contest import Contest
 from fo_gym.evaluation.runs.episodes import EpisodeSet
-from fo_gym.evaluation.runs.run import ENDED, Contest, run_contests
+from fo_gym.evaluation.runs.run import ENDED, run_contests
 from fo_gym.evaluation.runs.trial import trials_together
 
 STICTION = "FJRStiction-v0"

@@ -21,8 +21,8 @@ from fo_gym.evaluation.competitors.entry import check_names
 from fo_gym.evaluation.results.leaderboard import leaderboard
 from fo_gym.evaluation.results.report import markdown_page
 from fo_gym.evaluation.results.tables import explained, finding, markdown, marked, rankings, summary
+from fo_gym.evaluation.runs.contest import Results
 from fo_gym.evaluation.runs.protocol import Protocol
-from fo_gym.evaluation.runs.run import Results
 from fo_gym.files import csv, read_csv
 from fo_gym.text import (
     CELL_LIMIT,

@@ -195,7 +195,8 @@ def _period(
         end = odeint(plant.rates, x, [0.0, dt], args=held, tfirst=True, **options)[-1]
     else:
         solution = solve_ivp(plant.rates, (0.0, dt), x, method=method, args=held, rtol=rtol, atol=atol)
-        assert solution.success, solution.message
+        if not solution.success:
+            raise RuntimeError(f"{method}: {solution.message}")
         end = solution.y[:, -1]
     return end.reshape(state.shape)
 

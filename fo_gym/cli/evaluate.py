@@ -27,9 +27,9 @@ from fo_gym.cli.work import (
 from fo_gym.console import Stop, check_folder, check_jobs, tell_written
 
 if TYPE_CHECKING:
-    from fo_gym.evaluation.competitors.competitor import Competitor
+    from fo_gym.evaluation.competitors.competitor import Competitor, Gains
+    from fo_gym.evaluation.runs.contest import Results
     from fo_gym.evaluation.runs.protocol import Protocol
-    from fo_gym.evaluation.runs.run import Results
     from fo_gym.evaluation.runs.store import Store
 
 BESIDE = "pid-low,pid-high,pd-low,pd-high,letien-low,letien-high"
@@ -87,9 +87,7 @@ def run_evaluate(
 
         fo-gym evaluate leaderboard/submissions/theirs.toml
     """
-    from fo_gym.evaluation.competitors.entry import check_names, competitor_of, handed_over
     from fo_gym.evaluation.runs.protocol import Protocol
-    from fo_gym.specs import BUILT_IN
 
     check_jobs(jobs)
     if traces and out is None:
@@ -97,29 +95,15 @@ def run_evaluate(
     if out is not None:
         check_folder("--out", out)
     check_folder("--store", store)
-    if len(compensators) > 1 and (gains or name):
-        raise Stop(f"--gains and --name are for one compensator; {len(compensators)} were given")
-    replaced = gains_of(gains or ())
-    done = {*BUILT_IN, *(compensators if not replaced and name is None else ())}
-    others = [part.strip() for part in baselines.split(",")]
-    if not all(others) or len(set(others)) < len(others):
-        raise Stop(f"--baselines is {baselines!r}; give names with commas between, each once, or none")
     try:
-        given = [handed_over(text, replaced, name) for text in compensators]
-        everybody = (*given, *(competitor_of(text) for text in others if text not in done))
-        check_names(everybody)
-        names = tuple(competitor.name for competitor in everybody)
+        given, others = _competitors(compensators, gains_of(gains or ()), name, baselines)
+        names = tuple(competitor.name for competitor in (*given, *others))
         protocol = Protocol("evaluate", "validation", seeds, (env,), (variant,), names, robots_of(robot))
     except ValueError as error:
         raise Stop(str(error)) from error
-    if out is not None and all(name in BUILT_IN for name in names):
-        raise Stop(
-            f"--out is for a ranking, but {', '.join(names)} are references; name a compensator, or leave it out"
-        )
-    for competitor in everybody:
-        with _telling(), competitor.playing(env, variant):
-            pass
-    results = _run(everybody, protocol, store_in(store, fresh=fresh), jobs, traced=traces)
+    if out is not None:
+        _check_ranking(names)
+    results = _run((*given, *others), protocol, store_in(store, fresh=fresh), jobs, traced=traces)
     print_rankings(results)
     if out is not None:
         from fo_gym.evaluation.results.report import write_results
@@ -128,12 +112,47 @@ def run_evaluate(
     fail_if_failed(results, (competitor.name for competitor in given))
 
 
-def _run(everybody: Sequence[Competitor], protocol: Protocol, store: Store, jobs: int, *, traced: bool) -> Results:
-    """Everybody on the episodes of the protocol; who is not in the store yet meets the first moments before."""
-    from fo_gym.evaluation.runs.meeting import meet
-    from fo_gym.evaluation.runs.run import Contest, episodes_in
+def _competitors(
+    compensators: Sequence[str], gains: Gains, name: str | None, baselines: str
+) -> tuple[list[Competitor], list[Competitor]]:
+    """Who is handed over, and whom they stand beside. Stops at options that do not fit together; raises ValueError."""
+    from fo_gym.evaluation.competitors.entry import check_names, competitor_of, handed_over
     from fo_gym.specs import BUILT_IN
 
+    if len(compensators) > 1 and (gains or name):
+        raise Stop(f"--gains and --name are for one compensator; {len(compensators)} were given")
+    beside = [part.strip() for part in baselines.split(",")]
+    if not all(beside) or len(set(beside)) < len(beside):
+        raise Stop(f"--baselines is {baselines!r}; give names with commas between, each once, or none")
+    done = {*BUILT_IN, *(compensators if not gains and name is None else ())}
+    given = [handed_over(text, gains, name) for text in compensators]
+    others = [competitor_of(text) for text in beside if text not in done]
+    check_names((*given, *others))
+    return given, others
+
+
+def _check_ranking(names: Sequence[str]) -> None:
+    """Stop where files are asked for that nobody would stand in."""
+    from fo_gym.specs import BUILT_IN
+
+    if all(name in BUILT_IN for name in names):
+        raise Stop(
+            f"--out is for a ranking, but {', '.join(names)} are references; name a compensator, or leave it out"
+        )
+
+
+def _run(everybody: Sequence[Competitor], protocol: Protocol, store: Store, jobs: int, *, traced: bool) -> Results:
+    """Everybody on the episodes of the protocol; who is not in the store yet meets the first moments before.
+
+    Everybody is made first: what cannot be made says so before anything runs.
+    """
+    from fo_gym.evaluation.runs.contest import Contest, episodes_in
+    from fo_gym.evaluation.runs.meeting import meet
+    from fo_gym.specs import BUILT_IN
+
+    for competitor in everybody:
+        with _telling(), competitor.playing(protocol.environments[0], protocol.variants[0]):
+            pass
     try:
         (episodes,) = episodes_in(protocol, traced=traced)
     except (ValueError, OSError) as error:

@@ -70,7 +70,7 @@ def run_leaderboard(
         chosen = load_protocol(("quick" if quick else "full") if protocol is None else protocol)
         theirs = submissions_of(submissions)
         from fo_gym.evaluation.results.report import write_results
-        from fo_gym.evaluation.runs.run import competitors_of, contests_in
+        from fo_gym.evaluation.runs.contest import competitors_of, contests_in
 
         for competitor in competitors_of(chosen):  # submissions are not the user's to mend
             check_spec(competitor.spec)

@@ -66,7 +66,7 @@ def run_sweep(
     try:
         protocol = Protocol("sweep", "validation", seeds, envs, variants, (compensator,), robots_of(robot))
         from fo_gym.evaluation.results.sweep import Grid, Plan
-        from fo_gym.evaluation.runs.run import episodes_in
+        from fo_gym.evaluation.runs.contest import episodes_in
 
         plan = Plan(Grid(compensator, values), episodes_in(protocol), jobs)
     except (ValueError, TypeError, OSError, CompensatorError) as error:

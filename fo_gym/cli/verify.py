@@ -14,7 +14,7 @@ from fo_gym.console import Stop, say
 
 if TYPE_CHECKING:
     from fo_gym.evaluation.runs.comparison import Comparison
-    from fo_gym.evaluation.runs.run import Contest
+    from fo_gym.evaluation.runs.contest import Contest
 
 __all__ = ["run_verify"]
 

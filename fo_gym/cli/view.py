@@ -9,7 +9,7 @@ from fo_gym.console import console, say, text_table
 
 if TYPE_CHECKING:
     from fo_gym.evaluation.results.tables import Ranking
-    from fo_gym.evaluation.runs.run import Results
+    from fo_gym.evaluation.runs.contest import Results
 
 _KEPT = ("rank", "compensator", "FRR", "95 % interval", "verdict")
 """Columns of a ranking that are there at any width; of the others, the last ones go first."""

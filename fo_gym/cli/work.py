@@ -14,7 +14,7 @@ from fo_gym.console import Stop, check_jobs, errors, progress_bar, say
 if TYPE_CHECKING:
     from fo_gym.evaluation.competitors.competitor import Competitor
     from fo_gym.evaluation.runs.backends import Backend, Name
-    from fo_gym.evaluation.runs.run import Contest, Results
+    from fo_gym.evaluation.runs.contest import Contest, Results
     from fo_gym.evaluation.runs.store import Store
 
 INTERRUPTED = 130

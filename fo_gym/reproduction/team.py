@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from fo_gym.compensators import Compensator
 from fo_gym.evaluation.competitors.team import Team, by_feedback
-from fo_gym.evaluation.episode.recording import Recording, record
+from fo_gym.evaluation.episode.recorder import record
+from fo_gym.evaluation.episode.recording import Recording
 
 Array = NDArray[np.float64]
 

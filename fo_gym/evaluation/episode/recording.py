@@ -1,35 +1,22 @@
-"""Run one compensator on a batch of episodes and keep what happened."""
+"""A recording: what happened in a batch of episodes of one compensator."""
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, cast
 
-import gymnasium as gym
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.compensators import Compensator, Ideal
-from fo_gym.envs.registry import environment_of
-from fo_gym.envs.vector import JointVectorEnv
-from fo_gym.evaluation.episode.calls import checked_estimate, checked_reset
 from fo_gym.evaluation.episode.record import Episode, Motion
-from fo_gym.parameters import FRICTIONLESS
-from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.robots import Robot
-from fo_gym.signals import Signals
 from fo_gym.tasks.scenario import Scenario
 from fo_gym.tasks.task import Task
 
 Array = NDArray[np.float64]
 
-_TICK_SIGNALS = ("theta_n", "theta_n_dot", "theta_d", "reference")
-_TICK_TRUTH = ("theta", "theta_dot", "q", "q_dot")
-_PERIOD_TRUTH = ("tau_f_hat", "tau_m", "tau_f", "tau_ext")
 
-__all__ = ["Motions", "Recording", "References", "record"]
+__all__ = ["Motions", "Recording", "References"]
 
 
 @dataclass(frozen=True)
@@ -135,120 +122,4 @@ class Recording:
             motion_window=self.task.reference.motion_window,
             push=self.scenarios[i].push,
             termination=self.terminations[i],
-        )
-
-
-def record(
-    compensator: Compensator,
-    name: str,
-    env_id: str,
-    variant: str,
-    seeds: Sequence[int],
-    env_kwargs: Mapping[str, Any],
-    at_start: Callable[[JointVectorEnv], None] | None = None,
-) -> Recording:
-    """Run `compensator` on one batch, an episode per seed, each to its end.
-
-    Args:
-        compensator: who is scored; `Ideal` runs on joints without friction.
-        name: what to call it in errors.
-        env_id: registered environment.
-        variant: variant of it.
-        seeds: one per episode.
-        env_kwargs: further arguments of the environment.
-        at_start: called with the environment when its episodes are drawn and nothing has moved yet; it may change them.
-
-    Raises:
-        CompensatorError: it raised, or returned what is not a finite (num_envs, dof) array.
-    """
-    kwargs = {**env_kwargs, "feedback": compensator.feedback}
-    if type(compensator) is Ideal:
-        kwargs["friction"] = FRICTIONLESS
-    env_id = environment_of(env_id).id
-    env = cast("JointVectorEnv", gym.make_vec(env_id, num_envs=len(seeds), variant=variant, **kwargs).unwrapped)
-    env.reset(seed=list(seeds))
-    if at_start is not None:
-        at_start(env)
-    checked_reset(compensator, name, env)
-    return _Recorder(env).run(compensator, name)
-
-
-class _Recorder:
-    """The arrays of a recording while it is made."""
-
-    def __init__(self, env: JointVectorEnv) -> None:
-        self.env = env
-        self.simulation = env.simulation
-        self.dof = self.simulation.dof
-        self.steps = self.simulation.last_tick // self.simulation.settings.decimation
-        self.signals = Signals.from_observation(self.simulation.observation(), self.dof, env.available)
-        sizes = {name: getattr(self.signals, name).shape[-1] for name in _TICK_SIGNALS}
-        sizes |= dict.fromkeys(_TICK_TRUTH, self.dof)
-        self.ticks = {name: np.empty((self.steps + 1, env.num_envs, size)) for name, size in sizes.items()}
-        shape = (self.steps, env.num_envs, self.dof)
-        self.periods = {name: np.empty(shape) for name in _PERIOD_TRUTH}
-        self.scenarios = tuple(self.simulation.scenarios)
-        self.alive = np.ones(env.num_envs, dtype=bool)
-        self.ended = np.full(env.num_envs, self.steps)
-        self.terminations = [""] * env.num_envs
-        self.seconds = np.empty(self.steps)
-        self._keep_tick(0, self.simulation.truth())
-
-    def _keep_tick(self, tick: int, info: Mapping[str, Any]) -> None:
-        for name in _TICK_TRUTH:
-            self.ticks[name][tick] = info[name]
-        for name in _TICK_SIGNALS:
-            self.ticks[name][tick] = getattr(self.signals, name)
-
-    def run(self, compensator: Compensator, name: str) -> Recording:
-        """All episodes, tick by tick."""
-        for step in range(self.steps):
-            start = time.perf_counter()
-            estimate = checked_estimate(compensator, name, self.signals, self.alive, step)
-            self.seconds[step] = time.perf_counter() - start
-            obs, _, terminated, _, info = self.env.step(estimate)
-            self.signals = Signals.from_observation(obs, self.dof, self.env.available)
-            for part in _PERIOD_TRUTH:
-                self.periods[part][step] = info[part]
-            self._keep_tick(step + 1, info)
-            if terminated.any():
-                self._end(step + 1, terminated, info)
-                if not self.alive.any():
-                    self.seconds = self.seconds[: step + 1]
-                    break
-        self._hold_ends()
-        return self._recording()
-
-    def _end(self, tick: int, terminated: NDArray[np.bool_], info: Mapping[str, Any]) -> None:
-        for i in np.flatnonzero(terminated & self.alive):
-            self.ended[i] = tick
-            self.terminations[i] = str(info["termination"][i])
-        self.alive &= ~terminated
-
-    def _hold_ends(self) -> None:
-        """After an early end every array holds its last value: the joint stays where it was lost."""
-        for i in np.flatnonzero(~self.alive):
-            end = self.ended[i]
-            for array in self.ticks.values():
-                array[end:, i] = array[end, i]
-            for array in self.periods.values():
-                array[end:, i] = array[end - 1, i]
-
-    def _recording(self) -> Recording:
-        simulation = self.simulation
-        if simulation.task.reference.of_tool:
-            body = RigidBody(simulation.robot.link_side, self.steps + 1)
-            tool = [body.tool_position(self.ticks["q"][:, i]) for i in range(self.env.num_envs)]
-            self.ticks["tool"] = np.stack(tool, axis=1)
-        return Recording(
-            robot=simulation.robot,
-            task=simulation.task,
-            dt=simulation.settings.step_dt,
-            ticks=self.ticks,
-            periods=self.periods,
-            scenarios=self.scenarios,
-            torque_limit=np.asarray(simulation.torque_limit),
-            terminations=self.terminations,
-            ended=self.ended,
-            seconds=self.seconds,
         )

@@ -17,8 +17,8 @@ from fo_gym.evaluation.results.leaderboard import leaderboard
 from fo_gym.evaluation.results.style import BLUE, ORANGE, VERMILLION, label
 from fo_gym.evaluation.results.tables import marked
 from fo_gym.evaluation.results.trace_figure import trace_figure
+from fo_gym.evaluation.runs.contest import Results
 from fo_gym.evaluation.runs.episodes import SET, label_of, place_of
-from fo_gym.evaluation.runs.run import Results
 from fo_gym.files import draft_of
 from fo_gym.specs import BUILT_IN
 from fo_gym.tasks.variants import NOMINAL

@@ -16,9 +16,9 @@ from fo_gym.checks import choice, instance, shown
 from fo_gym.envs.registry import environment_of, known_environments
 from fo_gym.evaluation.competitors.competitor import Competitor
 from fo_gym.evaluation.competitors.entry import check_names, competitor_of
+from fo_gym.evaluation.runs.contest import Contest
 from fo_gym.evaluation.runs.episodes import KEY, SET, EpisodeSet
 from fo_gym.evaluation.runs.protocol import load_protocol, shipped_protocols
-from fo_gym.evaluation.runs.run import Contest
 from fo_gym.files import read_csv
 from fo_gym.robots import robot_of, shipped_robots
 from fo_gym.specs import BUILT_IN

@@ -11,9 +11,9 @@ from fo_gym.evaluation.episode.trace import write_traces
 from fo_gym.evaluation.results.figures import figures
 from fo_gym.evaluation.results.leaderboard import leaderboard
 from fo_gym.evaluation.results.tables import authors, explained, markdown, rankings, summary
+from fo_gym.evaluation.runs.contest import Results
 from fo_gym.evaluation.runs.processor import processor, processor_features
 from fo_gym.evaluation.runs.protocol import Protocol
-from fo_gym.evaluation.runs.run import Results
 from fo_gym.files import atomic, csv
 from fo_gym.text import markdown_text
 

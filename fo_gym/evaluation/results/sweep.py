@@ -18,9 +18,10 @@ from fo_gym.evaluation.competitors.competitor import MAX_SETS, Competitor
 from fo_gym.evaluation.competitors.entry import competitor_of
 from fo_gym.evaluation.results.statistics import interquartile_mean
 from fo_gym.evaluation.runs.backends import Processes
+from fo_gym.evaluation.runs.contest import Contest, Results
 from fo_gym.evaluation.runs.episodes import FAILED, KEY, OK, SET, TERMINATED, EpisodeSet, failed_rows
 from fo_gym.evaluation.runs.evaluate import check_arguments, evaluation_seeds
-from fo_gym.evaluation.runs.run import Contest, Results, run_contests
+from fo_gym.evaluation.runs.run import run_contests
 from fo_gym.evaluation.runs.trial import failed_trial
 
 _BATCH = 64

@@ -10,7 +10,8 @@ import pandas as pd
 
 from fo_gym.compensators import Compensator, Ideal, NoCompensation
 from fo_gym.envs.registry import ENVIRONMENTS, environment_of
-from fo_gym.evaluation.episode.recording import Recording, References, record
+from fo_gym.evaluation.episode.recorder import record
+from fo_gym.evaluation.episode.recording import Recording, References
 from fo_gym.evaluation.metrics import METRICS, score
 from fo_gym.evaluation.runs.provenance import provenance
 from fo_gym.robots import Robot, robot_of

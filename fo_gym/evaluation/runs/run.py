@@ -3,23 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any
 
 import pandas as pd
 
-from fo_gym.envs.registry import environment_of
 from fo_gym.evaluation.competitors.competitor import Competitor
-from fo_gym.evaluation.competitors.entry import check_names, competitor_of
 from fo_gym.evaluation.episode.recording import References
-from fo_gym.evaluation.episode.trace import Trace
 from fo_gym.evaluation.runs.backends import Backend, BackendError, Processes
-from fo_gym.evaluation.runs.episodes import EpisodeSet
+from fo_gym.evaluation.runs.contest import Contest, Results, contests_in
 from fo_gym.evaluation.runs.protocol import Protocol
 from fo_gym.evaluation.runs.store import Store
-from fo_gym.evaluation.runs.trial import IDEAL, NONE, Trial, failed_trial, reference_trials, trials_together
-from fo_gym.robots import robot_of
-from fo_gym.specs import BUILT_IN
+from fo_gym.evaluation.runs.trial import Trial, failed_trial, reference_trials, trials_together
 
 OnRun = Callable[[str], None]
 """Called with a label after every run, `none` and `ideal` counted as one."""
@@ -30,101 +23,7 @@ ENDED = "it ended the process that it ran in"
 _Crew = tuple[int, tuple[int, ...]]
 """The number of a contest, and the places of those who share a batch of it."""
 
-__all__ = [
-    "ENDED",
-    "Contest",
-    "Results",
-    "competitors_of",
-    "contests_in",
-    "episodes_in",
-    "run_contests",
-    "run_protocol",
-]
-
-
-@dataclass(frozen=True)
-class Contest:
-    """A set of episodes, and who meets them besides `none` and `ideal`.
-
-    Attributes:
-        episodes: what they meet.
-        competitors: who.
-        together: how many of them share a batch, which changes no row; a short time for many, but more memory.
-    """
-
-    episodes: EpisodeSet
-    competitors: tuple[Competitor, ...]
-    together: int = 1
-
-    @property
-    def everybody(self) -> tuple[Competitor, ...]:
-        """The references first."""
-        return NONE, IDEAL, *self.competitors
-
-    @property
-    def runs(self) -> int:
-        """How many runs there are, `none` and `ideal` counted as one."""
-        return 1 + len(self.competitors)
-
-
-@dataclass(frozen=True)
-class Results:
-    """What a protocol yields.
-
-    Attributes:
-        episodes: one row per episode, in the protocol's order.
-        timing: one row per run: time per call of `estimate`, for the whole batch, when it was computed.
-        traces: the nominal episodes, and where asked for (or kept in the store) those of the other variants.
-        competitors: who took part, besides `none` and `ideal`.
-        runs: number of runs, `none` and `ideal` of a set counted as one.
-        stored: how many of them were taken from the store.
-    """
-
-    episodes: pd.DataFrame
-    timing: pd.DataFrame
-    traces: list[Trace]
-    competitors: tuple[Competitor, ...] = field(default=())
-    runs: int = 0
-    stored: int = 0
-
-
-def competitors_of(protocol: Protocol, submissions: Sequence[Competitor] = ()) -> tuple[Competitor, ...]:
-    """Who takes part besides `none` and `ideal`: those that the protocol names, then the submissions.
-
-    Raises:
-        ValueError: an entry is not allowed, or two have the same name.
-    """
-    named = tuple(competitor_of(name) for name in protocol.compensators if name not in BUILT_IN)
-    check_names((*named, *submissions))
-    return (*named, *submissions)
-
-
-def contests_in(protocol: Protocol, submissions: Sequence[Competitor] = (), *, traced: bool = False) -> list[Contest]:
-    """Every set of episodes of a protocol, with everybody who meets it. Raises as `competitors_of` does."""
-    competitors = competitors_of(protocol, submissions)
-    if not competitors:
-        raise ValueError(
-            f"protocol {protocol.name!r}: compensators is {list(protocol.compensators)}; name one besides references"
-        )
-    return [Contest(episodes, competitors) for episodes in episodes_in(protocol, traced=traced)]
-
-
-def episodes_in(protocol: Protocol, *, traced: bool = False) -> list[EpisodeSet]:
-    """Every set of episodes of a protocol: each environment, for arms on each of its robots, in each variant.
-
-    Raises:
-        FileNotFoundError, ValueError: a robot cannot be had.
-    """
-    robots = [replace(robot_of(value), name=name) for name, value in protocol.robots.items()]
-    sets = []
-    for env in map(environment_of, protocol.environments):
-        kinds: list[dict[str, Any]] = [{"robot": robot} for robot in robots if "arm" in env.tags] or [{}]
-        sets += [
-            EpisodeSet(env.id, variant, protocol.seeds_of(variant), kind, traced)
-            for kind in kinds
-            for variant in protocol.variants
-        ]
-    return sets
+__all__ = ["ENDED", "run_contests", "run_protocol"]
 
 
 class _Runner:

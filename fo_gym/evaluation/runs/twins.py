@@ -14,7 +14,8 @@ import numpy as np
 
 from fo_gym.compensators import Compensator
 from fo_gym.envs.vector import JointVectorEnv
-from fo_gym.evaluation.episode.recording import Recording, record
+from fo_gym.evaluation.episode.recorder import record
+from fo_gym.evaluation.episode.recording import Recording
 from fo_gym.evaluation.runs.episodes import EpisodeSet
 from fo_gym.simulation.state import SimulationState
 

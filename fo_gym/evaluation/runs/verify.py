@@ -15,8 +15,9 @@ import pandas as pd
 from fo_gym.evaluation.competitors.competitor import Competitor
 from fo_gym.evaluation.runs.backends import Backend
 from fo_gym.evaluation.runs.comparison import Comparison, Row, compared
+from fo_gym.evaluation.runs.contest import Contest
 from fo_gym.evaluation.runs.episodes import KEY, EpisodeSet
-from fo_gym.evaluation.runs.run import Contest, OnRun, run_contests
+from fo_gym.evaluation.runs.run import OnRun, run_contests
 from fo_gym.evaluation.runs.twins import TWINS, TwinSet
 from fo_gym.files import csv, read_csv
 

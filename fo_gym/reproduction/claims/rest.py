@@ -10,7 +10,7 @@ import numpy as np
 from fo_gym.certificate.cases import FRICTION
 from fo_gym.certificate.statement import Finding, at_least, at_most
 from fo_gym.certificate.subject import Subject
-from fo_gym.evaluation.episode.recording import record
+from fo_gym.evaluation.episode.recorder import record
 from fo_gym.evaluation.runs.seeds import VALIDATION_SEEDS, first
 from fo_gym.parameters import LuGre, PDGains
 from fo_gym.plant.rigid_body import RigidBody
