@@ -17,8 +17,12 @@ from fo_gym.checks import NOT_NEGATIVE, POSITIVE, check_numbers, check_values
 Array = NDArray[np.float64]
 Value = float | Array
 
+PARAMETERS = ("stiffness", "damping", "motor_inertia", "sigma_0", "sigma_1", "sigma_2", "f_c", "f_s", "v_s")
+"""Columns of `packed`."""
+
 __all__ = [
     "FRICTIONLESS",
+    "PARAMETERS",
     "FlexibleJoint",
     "ImpedanceGains",
     "JointInfo",
@@ -26,6 +30,7 @@ __all__ = [
     "PDGains",
     "Value",
     "check_joints",
+    "packed",
     "per_joint",
 ]
 
@@ -120,6 +125,12 @@ class FlexibleJoint:
 
     def __post_init__(self) -> None:
         check_values(self, stiffness=POSITIVE, damping=NOT_NEGATIVE, motor_inertia=POSITIVE, torque_limit=POSITIVE)
+
+
+def packed(joints: FlexibleJoint, friction: LuGre, dof: int) -> Array:
+    """Motors, springs and friction as one array (dof, 9), columns as in PARAMETERS; errors as of `per_joint`."""
+    values = {**vars(per_joint(joints, dof)), **vars(per_joint(friction, dof))}
+    return np.stack([values[name] for name in PARAMETERS], axis=-1)
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 import fo_gym
-from fo_gym.plant.kernel import PARAMETERS
+from fo_gym.parameters import PARAMETERS
 from fo_gym.robots import robot_of
 from fo_gym.simulation.settings import Settings
 from fo_gym.simulation.simulation import Simulation

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from arms import SIX, arm, miro
 
-from fo_gym.control.design import TOMEI, designed_impedance, designed_pd, gravity_slope
+from fo_gym.control.design import TOMEI, designed_impedance, designed_pd
+from fo_gym.micro_steps import DEFAULT_PHYSICS_DT
 from fo_gym.parameters import FlexibleJoint
 from fo_gym.plant import FlexibleJointPlant
-from fo_gym.plant.steps import DEFAULT_PHYSICS_DT
 from fo_gym.robots import Robot
 from fo_gym.robots.design import (
     ACCELERATION,
@@ -149,7 +149,7 @@ def test_gravity_has_one_rest_under_the_designed_gains(tmp_path: Path) -> None:
     for robot in (arm(tmp_path / "arm.xml"), arm(tmp_path / "slides.xml", slides=(1, 4)), miro()):
         model = robot.link_side.model
         gains, poses = designed_pd(robot), Poses(model)
-        assert np.all(gains.kp >= TOMEI * gravity_slope(model))
+        assert np.all(gains.kp >= TOMEI * poses.gravity_bound())
         for q in np.random.default_rng(2).uniform(poses.low, poses.high, (50, robot.dof)):
             slope = 0.5 * (poses.gravity_slope(q) + poses.gravity_slope(q).T)
             assert np.linalg.eigvalsh(np.diag(gains.kp) + slope)[0] > 0.0

@@ -41,9 +41,9 @@ def test_the_motion_is_smooth_and_from_rest_to_rest() -> None:
 
 
 def swing(robot: Robot, path: JointPath) -> tuple[np.ndarray, np.ndarray]:
-    """Positions and torques (inverse dynamics by MuJoCo, motors and friction added) along the path, (n, dof) each."""
+    """Positions and torques (inverse dynamics by MuJoCo, motors added) along the path, (n, dof) each."""
     model, h = robot.link_side.model, 1e-3
-    data, joints, friction = mujoco.MjData(model), robot.flexible, robot.friction
+    data, joints = mujoco.MjData(model), robot.flexible
     torques, poses = [], []
     for t in np.arange(0.0, path.duration, 0.05):
         offset, velocity = path.at(np.array([t - h, t, t + h]))
@@ -51,7 +51,7 @@ def swing(robot: Robot, path: JointPath) -> tuple[np.ndarray, np.ndarray]:
         data.qacc[:] = (velocity[2] - velocity[0]) / (2.0 * h)
         mujoco.mj_inverse(model, data)
         motors = data.qfrc_inverse + joints.motor_inertia * data.qacc
-        torques.append(np.abs(motors) + friction.f_s + friction.sigma_2 * np.abs(velocity[1]))
+        torques.append(np.abs(motors))
         poses.append(robot.home + offset[1])
     return np.array(poses), np.array(torques)
 
@@ -82,10 +82,16 @@ def test_weak_motors_swing_less_and_those_without_torque_say_so() -> None:
     def limited(limit: float) -> Robot:
         return replace(miro(), flexible=replace(miro().flexible, torque_limit=limit))
 
-    free, weak = (JointPath(10.0).fitted_to(limited(limit)) for limit in (1e3, 38.0))
+    free, weak = (JointPath(10.0).fitted_to(limited(limit)) for limit in (1e3, 30.0))
     assert np.all(np.asarray(weak.amplitude) < np.asarray(free.amplitude))
     with pytest.raises(ValueError, match="joint 'joint2' of robot 'miro_like' has no torque to swing"):
         JointPath(10.0).fitted_to(limited(5.0))
+
+
+def test_the_motion_is_the_same_without_friction() -> None:
+    weak = replace(miro(), flexible=replace(miro().flexible, torque_limit=30.0))
+    with_it, without = (JointPath(10.0).fitted_to(each) for each in (weak, replace(weak, friction=FRICTIONLESS)))
+    np.testing.assert_array_equal(with_it.amplitude, without.amplitude)
 
 
 def test_what_is_given_is_kept_and_what_is_wrong_is_named() -> None:

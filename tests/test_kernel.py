@@ -7,8 +7,9 @@ import pytest
 from scipy.linalg import expm
 
 from fo_gym.certificate.experiments import PAPER, Joint, full_triangle
-from fo_gym.plant.kernel import PARAMETERS, STATE, advance, bristle_rate, bristle_step
-from fo_gym.plant.steps import DEFAULT_PHYSICS_DT as H
+from fo_gym.micro_steps import DEFAULT_PHYSICS_DT as H
+from fo_gym.parameters import PARAMETERS
+from fo_gym.plant.kernel import STATE, advance, bristle_rate, bristle_step
 
 # --- Stiction --------------------------------------------------------------------------------------------------------
 

@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from fo_gym.certificate.experiments import Joint
-from fo_gym.plant.kernel import PARAMETERS, bristle_mean, bristle_rate, bristle_step
-from fo_gym.plant.steps import DEFAULT_PHYSICS_DT as H
+from fo_gym.micro_steps import DEFAULT_PHYSICS_DT as H
+from fo_gym.parameters import PARAMETERS
+from fo_gym.plant.kernel import bristle_mean, bristle_rate, bristle_step
 
 NO_FRICTION = {"sigma_0": 0.0, "sigma_1": 0.0, "sigma_2": 0.0, "f_c": 0.0, "f_s": 0.0, "v_s": 1.0}
 

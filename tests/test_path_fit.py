@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 from arms import SIX, arm, miro
 
+from fo_gym.parameters import FRICTIONLESS
 from fo_gym.robots.poses import Poses, scaled, tool_rows
 from fo_gym.tasks.kinematics import path_table
-from fo_gym.tasks.square_fit import LARGEST_SIDE, SINGULAR, fitted_square
+from fo_gym.tasks.square_fit import GRAVITY_CHANGE, LARGEST_SIDE, SINGULAR, fitted_square
 from fo_gym.tasks.tool_path import ToolPath
 
 Z, Y, X = "0 0 1", "0 1 0", "1 0 0"
@@ -91,12 +92,23 @@ def test_arms_without_a_square_say_why(tmp_path: Path) -> None:
         fitted_square(replace(arm(tmp_path / "6.xml"), home=np.zeros(6)))
     with pytest.raises(ValueError, match=r"no square of 0\.9 m.*0 of what is asked for"):
         fitted_square(miro(), side=0.9)
-    with pytest.raises(ValueError, match=r"redundant joints are \('joint3', 'joint3'\)"):
-        fitted_square(replace(miro(), redundant=("joint3", "joint3")))
+    with pytest.raises(ValueError, match=r"redundant joints are \(\); .* needs 1 of \('joint1'"):
+        fitted_square(replace(miro(), redundant=()))
     cornered = miro().home.copy()
     cornered[6] = 2.85
     with pytest.raises(ValueError, match="limit of every joint"):
         fitted_square(replace(miro(), home=cornered))
+
+
+def test_the_square_is_the_same_without_friction_and_level_where_it_can_be(tmp_path: Path) -> None:
+    """The reference without friction is run on the same square; gravity changes little in it, or least of all sizes."""
+    for robot in (miro(), arm(tmp_path / "6.xml"), arm(tmp_path / "3.xml", (Z, Y, Y))):
+        side, plane = fitted_square(robot)
+        assert fitted_square(replace(robot, friction=FRICTIONLESS)) == (side, plane)
+        path = ToolPath(5.0, side, *plane)
+        table = path_table(robot.link_side, path, robot.home, DT, robot.redundant)
+        change = np.abs(table.gravity - table.gravity[0]).max(axis=0) / robot.flexible.torque_limit
+        assert change.max() < 1.02 * GRAVITY_CHANGE or side < LARGEST_SIDE
 
 
 def test_what_is_given_is_kept() -> None:

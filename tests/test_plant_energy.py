@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from energy_search import CASES, Account, search
 
-from fo_gym.plant.kernel import PARAMETERS
+from fo_gym.parameters import PARAMETERS
 from fo_gym.simulation.settings import Settings
 from fo_gym.simulation.simulation import Simulation
 from fo_gym.tasks.stiction import stiction

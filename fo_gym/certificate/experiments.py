@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.plant.kernel import PARAMETERS, STATE, advance, bristle_rate, bristle_step
-from fo_gym.plant.steps import DEFAULT_PHYSICS_DT, micro_steps
+from fo_gym.micro_steps import DEFAULT_PHYSICS_DT, micro_steps
+from fo_gym.parameters import PARAMETERS
+from fo_gym.plant.kernel import STATE, advance, bristle_rate, bristle_step
 
 Array = NDArray[np.float64]
 

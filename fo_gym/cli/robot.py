@@ -50,11 +50,13 @@ def run_inspect(
 
         fo-gym robot inspect arm.xml --joints shoulder,elbow,wrist --tool gripper
     """
+    from fo_gym.control.design import designed_pd
+
     robot = _robot(file, joints, tool, home)
     title = f"{robot.name}: tool {robot.tool or 'none'}, redundant {', '.join(robot.redundant) or 'none'}"
     console.print(text_table(title, _HEADINGS, _rows(robot)))
     say(str(robot.report))
-    say(str(robot.advice()))
+    say(str(robot.advice(robot.pd_gains or designed_pd(robot))))
     if picture is not None:
         tell_written([_draw(robot, picture)])
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import mujoco
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import eigh
 
 from fo_gym.parameters import ImpedanceGains, PDGains
 from fo_gym.robots import Robot
@@ -24,6 +24,13 @@ STIFFNESS_RATE = 250.0
 """K_p / B at most [1/s^2]. The paper's low gains hold the motor to the nominal one with B L L_p = 500 B: at half of
 that, what friction they leave displaces the motor by half of what it does without compensation."""
 
+STIFFEST_RATE = 500.0
+"""The same where gravity asks for more than STIFFNESS_RATE [1/s^2]."""
+
+GRAVITY_SHARE = 0.6
+"""Share of the impedance's stiffness that dg/dq at home may have. The impedance knows gravity where the joints are;
+with a compensator that takes gravity for friction, dg/dq acts as a spring of either sign."""
+
 DAMPING_RATE = 200.0
 """K_d / B at most [1/s]: a fifth of the sampling rate of 1 kHz."""
 
@@ -33,7 +40,7 @@ SINGULAR = 1e6
 TOMEI = 1.15
 """K_p is at least so many times the largest |dg/dq|: below once (Tomei 1991) gravity has more than one rest."""
 
-__all__ = ["Response", "designed_impedance", "designed_pd", "gravity_slope"]
+__all__ = ["Response", "designed_impedance", "designed_pd"]
 
 
 @dataclass(frozen=True)
@@ -59,23 +66,12 @@ ELBOW = Response(7.0, 0.7)
 """Impedance: the paper's 1000 N/m, 200 N s/m and 10 N m/rad, 2 N m s/rad on the MIRO-like arm."""
 
 
-def gravity_slope(model: mujoco.MjModel) -> Array:
-    """A bound of |dg/dq| for every joint over all poses, (dof,) [N m/rad | N/m].
-
-    The largest sum of a row of dg/dq, other joints counted in natural units: diag(K_p) above it makes K_p + dg/dq
-    diagonally dominant, hence positive definite, so that PD with g(q_d) has one rest (Tomei 1991), and K_j above it
-    makes the springs' own rest unique.
-    """
-    poses = Poses(model)
-    slopes = np.abs([poses.gravity_slope(q) for q in poses.sample(127, share=1.0)])
-    return np.asarray((slopes @ poses.units).max(axis=0) / poses.units)
-
-
 def designed_pd(robot: Robot, response: Response = JOINT) -> PDGains:
     """Motor PD gains, one value per joint.
 
     K_p = bandwidth^2 (M_jj(home) + B), at most STIFFNESS_RATE B and what a STEP may ask of the torque limit, but at
-    least TOMEI times `gravity_slope`. K_d = 2 damping sqrt(K_p (M_jj + B)), at most DAMPING_RATE B.
+    least TOMEI times the bound of |dg/dq| (Poses.gravity_bound). K_d = 2 damping sqrt(K_p (M_jj + B)), at most
+    DAMPING_RATE B.
     """
     model, home, joints = robot.link_side.model, robot.home, robot.flexible
     poses = Poses(model)
@@ -83,7 +79,7 @@ def designed_pd(robot: Robot, response: Response = JOINT) -> PDGains:
     free = np.maximum(joints.torque_limit - np.abs(poses.gravity(home)), 0.0)
     kp = np.minimum(response.bandwidth**2 * inertia, STIFFNESS_RATE * joints.motor_inertia)
     kp = np.minimum(kp, STEP_SHARE * free / (STEP * poses.units))
-    kp = np.maximum(kp, TOMEI * gravity_slope(model))
+    kp = np.maximum(kp, TOMEI * poses.gravity_bound())
     kd = np.minimum(2.0 * response.damping * np.sqrt(kp * inertia), DAMPING_RATE * joints.motor_inertia)
     return PDGains(kp=kp, kd=kd)
 
@@ -93,8 +89,9 @@ def designed_impedance(robot: Robot) -> ImpedanceGains:
 
     With A the Jacobian of tool position, tool orientation and redundant joints, Lambda = A^-T (M + B) A^-1. Each part
     gets K_p = bandwidth^2 Lambda and K_d = 2 damping sqrt(K_p Lambda), Lambda the geometric mean over its own
-    directions, at most what STIFFNESS_RATE and DAMPING_RATE allow the motors. The orientation's gains are without
-    effect where the position alone is controlled, as are the elbow's where no joint is redundant.
+    directions, at most what STIFFNESS_RATE and DAMPING_RATE allow the motors; all K_p are raised together, up to
+    STIFFEST_RATE, where dg/dq would be more than GRAVITY_SHARE of them. The orientation's gains are without effect
+    where the position alone is controlled, as are the elbow's where no joint is redundant.
 
     Raises:
         ValueError: the robot has no tool, or it is at a singularity at home.
@@ -115,16 +112,19 @@ def designed_impedance(robot: Robot) -> ImpedanceGains:
     inverse = np.linalg.inv(jacobian)
     inertia = inverse.T @ (poses.inertia(home) + np.diag(motors)) @ inverse
 
-    def gains(part: slice, response: Response) -> tuple[float, float]:
-        own = jacobian[part]
-        felt = float(np.exp(np.log(np.linalg.eigvalsh(inertia[part, part])).mean()))
-        # The largest eigenvalue of B^-1 J^T J: how fast a unit of stiffness makes the motors alone.
-        lightest = float(np.linalg.eigvalsh((own / motors) @ own.T)[-1])
-        kp = min(response.bandwidth**2 * felt, STIFFNESS_RATE / lightest)
-        return kp, min(2.0 * response.damping * np.sqrt(kp * felt), DAMPING_RATE / lightest)
-
-    position = gains(slice(0, 3), POSITION)
-    orientation = gains(slice(3, 6), ORIENTATION) if rows == 6 else position
-    elbow = [gains(slice(i, i + 1), ELBOW) for i in range(rows, robot.dof)]
-    kp_elbow, kd_elbow = np.array(elbow).T if elbow else orientation
-    return ImpedanceGains(*position, *orientation, kp_elbow, kd_elbow)
+    parts = [(slice(0, 3), POSITION), (slice(3, 6), ORIENTATION)][: rows // 3]
+    parts += [(slice(i, i + 1), ELBOW) for i in range(rows, robot.dof)]
+    # How much inertia each part feels; and how fast a unit of stiffness makes the motors alone: the largest eigenvalue
+    # of B^-1 J^T J.
+    felt = np.array([np.exp(np.log(np.linalg.eigvalsh(inertia[part, part])).mean()) for part, _ in parts])
+    lightest = np.array([np.linalg.eigvalsh((jacobian[part] / motors) @ jacobian[part].T)[-1] for part, _ in parts])
+    bandwidth, damping = np.array([(response.bandwidth, response.damping) for _, response in parts]).T
+    kp = np.minimum(bandwidth**2 * felt, STIFFNESS_RATE / lightest)
+    joint_stiffness = sum(k * jacobian[part].T @ jacobian[part] for k, (part, _) in zip(kp, parts, strict=True))
+    slope = poses.gravity_slope(home)
+    outweighed = np.abs(eigh(0.5 * (slope + slope.T), joint_stiffness, eigvals_only=True)).max() / GRAVITY_SHARE
+    kp *= np.clip(outweighed, 1.0, (STIFFEST_RATE / lightest / kp).min())
+    kd = np.minimum(2.0 * damping * np.sqrt(kp * felt), DAMPING_RATE / lightest)
+    last = rows // 3
+    elbow = (kp[last:], kd[last:]) if robot.redundant else (kp[-1], kd[-1])
+    return ImpedanceGains(float(kp[0]), float(kd[0]), float(kp[last - 1]), float(kd[last - 1]), *elbow)

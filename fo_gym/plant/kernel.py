@@ -17,8 +17,7 @@ import math
 import numpy as np
 from numba import njit
 
-# Layout of the packed parameters (num_envs, dof, 9) and of the packed state (5, num_envs, dof).
-PARAMETERS = ("stiffness", "damping", "motor_inertia", "sigma_0", "sigma_1", "sigma_2", "f_c", "f_s", "v_s")
+# Layout of the packed state (5, num_envs, dof); that of the parameters is fo_gym.parameters.PARAMETERS.
 STATE = ("q", "q_dot", "theta", "theta_dot", "z")
 
 _PASSES = 2

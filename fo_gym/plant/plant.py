@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.checks import NOT_NEGATIVE, POSITIVE, instance, number, real, real_array, shown, whole_number
-from fo_gym.parameters import FlexibleJoint, LuGre, per_joint
-from fo_gym.plant.kernel import PARAMETERS, STATE, advance, predict, spring_torque
+from fo_gym.micro_steps import PhysicsDt, StepAdvice, advise_steps, auto_steps, check_steps, is_auto, micro_steps
+from fo_gym.parameters import PARAMETERS, FlexibleJoint, LuGre, packed
+from fo_gym.plant.kernel import STATE, advance, predict, spring_torque
 from fo_gym.plant.rigid_body import RigidBody
-from fo_gym.plant.steps import PhysicsDt, StepAdvice, advise_steps, auto_steps, check_steps, is_auto, micro_steps
 from fo_gym.plant.twin import twin_model
 from fo_gym.robots import LinkSide
 
@@ -65,7 +65,7 @@ class FlexibleJointPlant:
         friction: LuGre parameters of every joint.
         control_dt: control period [s].
         physics_dt: micro-step [s]; None means min(2e-4, control_dt); it must divide control_dt; "auto" takes the
-            longest that follows `joints` and `friction` in the pose of the file, see `fo_gym.plant.steps`.
+            longest that follows `joints` and `friction` in the pose of the file, see `fo_gym.micro_steps`.
 
     Raises:
         ValueError: a parameter is out of range, or the micro-step is too long for a joint, or too short.
@@ -134,9 +134,7 @@ class FlexibleJointPlant:
         self, ids: NDArray[np.intp], *, joints: FlexibleJoint, friction: LuGre, mass_scale: float = 1.0
     ) -> None:
         """Give the named environments these parameters; `mass_scale` multiplies the masses of the file."""
-        values = {**vars(per_joint(joints, self.dof)), **vars(per_joint(friction, self.dof))}
-        for column, name in enumerate(PARAMETERS):
-            self._parameters[ids, :, column] = values[name]
+        self._parameters[ids] = packed(joints, friction, self.dof)
         self._friction[ids] = self._parameters[ids][..., _FRICTION]
         self.body.scale_mass(np.full(len(ids), number("mass scale", mass_scale, POSITIVE)), ids)
 

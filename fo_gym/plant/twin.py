@@ -38,7 +38,7 @@ def twin_model(
 
     Args:
         link_side: the links.
-        values: for each of the kernel's PARAMETERS an array of one value per joint.
+        values: for each of PARAMETERS an array of one value per joint.
         mass_scale: factor on the masses of the file.
         timestep: MuJoCo's step [s]. Its bristles hold a stuck joint only for steps below sigma_1 / sigma_0.
         integrator: one of INTEGRATORS.

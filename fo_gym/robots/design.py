@@ -49,7 +49,7 @@ SAG = 0.01
 SPRING_DAMPING = 0.01
 """Damping ratio of the spring's mode; no public number was found, and steel gears lose little."""
 
-FRICTION_SHARE = 0.03
+FRICTION_SHARE = 0.05
 """f_c as a share of the torque limit."""
 
 FRICTION_DECELERATION = (3.0, 20.0)

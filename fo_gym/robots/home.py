@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.robots.poses import Poses, joint_range, scaled, tool_rows
+from fo_gym.robots.poses import Poses, joint_range, natural_units, scaled, tool_rows
 
 Array = NDArray[np.float64]
 
@@ -28,7 +28,7 @@ EDGE_SHARE = 0.1
 _DIGITS = 3
 """Scores count to these digits, so that the last bits of a processor decide nothing; of equals the first is taken."""
 
-__all__ = ["SINGULAR", "conditioning", "found_home", "poor_home", "redundant_joints"]
+__all__ = ["SINGULAR", "conditioning", "found_home", "poor_home", "redundant_joints", "room"]
 
 
 def conditioning(poses: Poses, q: Array, reach: float) -> float:
@@ -70,6 +70,14 @@ def found_home(model: mujoco.MjModel, tool: str | None = None, torque_limit: Arr
     return np.where(poses.high - poses.low > 1.0 * poses.units, np.round(best, 3), best)
 
 
+def room(model: mujoco.MjModel, q: Array) -> Array:
+    """Distance of every joint to the nearer end of its range, (dof,), in units of what a step needs."""
+    low, high = joint_range(model)
+    return np.asarray(
+        np.minimum(q - low, high - q) / np.minimum(EDGE * natural_units(model), EDGE_SHARE * (high - low))
+    )
+
+
 def poor_home(model: mujoco.MjModel, q: Array, tool: str | None = None) -> str | None:
     """Why q (dof,) [rad | m] is no pose to start from, or None where it is one.
 
@@ -77,9 +85,7 @@ def poor_home(model: mujoco.MjModel, q: Array, tool: str | None = None) -> str |
     is at a singularity.
     """
     poses = Poses(model, tool)
-    low, high = joint_range(model)
-    edge = np.minimum(EDGE * poses.units, EDGE_SHARE * (high - low))
-    for j in np.flatnonzero(np.minimum(q - low, high - q) < edge):
+    for j in np.flatnonzero(room(model, q) < 1.0):
         return f"joint {model.joint(j).name!r} stands at {q[j]:g}, too near to an end of its range"
     if tool is not None and model.nq >= 3:
         smallest = conditioning(poses, q, poses.reach())

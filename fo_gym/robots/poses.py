@@ -107,6 +107,16 @@ class Poses:
         columns = [(self.gravity(q + step) - self.gravity(q - step)) / (2.0 * step.sum()) for step in steps]
         return np.array(columns).T
 
+    def gravity_bound(self) -> Array:
+        """A bound of |dg/dq| for every joint over all poses, (dof,) [N m/rad | N/m].
+
+        The largest sum of a row of dg/dq, other joints counted in natural units: diag(K_p) above it makes K_p + dg/dq
+        diagonally dominant, hence positive definite, so that PD with g(q_d) has one rest (Tomei 1991); K_j above it
+        gives the springs one.
+        """
+        slopes = np.abs([self.gravity_slope(q) for q in self.sample(127, share=1.0)])
+        return np.asarray((slopes @ self.units).max(axis=0) / self.units)
+
     def jacobian(self, q: Array) -> Array:
         """Of the tool, (6, dof): linear velocity, then angular."""
         assert self._site is not None

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from fo_gym.checks import instance, real_array, shown, text
 from fo_gym.hardware import Hardware
 from fo_gym.parameters import FlexibleJoint, ImpedanceGains, LuGre, PDGains, per_joint
+from fo_gym.robots.advice import Advice, advice
 from fo_gym.robots.exchange import read_robot, robot_text
 from fo_gym.robots.link_side import LinkSide
 from fo_gym.robots.making import made_from_file
@@ -113,6 +114,16 @@ class Robot:
     def tool(self) -> str | None:
         """Name of the tool's site or body."""
         return self.link_side.tool
+
+    def advice(self, gains: PDGains | None = None, control_dt: float = 1e-3) -> Advice:
+        """Check list of what its numbers mean for control: modes, micro-steps, conditions of observers and of gains.
+
+        Args:
+            gains: of a motor PD; None for the robot's own. Where it has none, what is about gains is left out.
+            control_dt: control period [s].
+        """
+        gains = self.pd_gains if gains is None else per_joint(gains, self.dof)
+        return advice(self.link_side, self.flexible, self.friction, self.home, gains, control_dt)
 
     @classmethod
     def from_file(

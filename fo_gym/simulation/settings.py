@@ -8,8 +8,8 @@ from typing import Any
 
 from fo_gym.checks import POSITIVE, choice, instance, number, only, shown, whole_number
 from fo_gym.hardware import Hardware, SensorModel
+from fo_gym.micro_steps import PhysicsDt, is_auto, micro_steps
 from fo_gym.parameters import FlexibleJoint, ImpedanceGains, LuGre, PDGains
-from fo_gym.plant.steps import PhysicsDt, is_auto, micro_steps
 from fo_gym.robots import Robot, RobotLike, robot_of
 from fo_gym.signals import TIERS
 from fo_gym.tasks.randomization import Randomization

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from fo_gym.micro_steps import PhysicsDt, auto_steps, is_auto
 from fo_gym.plant import FlexibleJointPlant
-from fo_gym.plant.steps import PhysicsDt, auto_steps, is_auto
 from fo_gym.robots import Robot
 from fo_gym.simulation.settings import Settings
 from fo_gym.tasks.draw import draw_scenario

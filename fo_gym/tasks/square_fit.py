@@ -31,6 +31,13 @@ MARGIN, MARGIN_SHARE = 0.4, 0.1
 """What joints keep from the ends of their ranges [rad, or natural units of a slide], since the friction-free motion
 leaves the reference by up to 0.4 rad (iiwa); and the share of the range that is enough where it is small."""
 
+GRAVITY_CHANGE = 0.06
+"""By how much gravity may change along a path, as a share of the torque limits; designed friction is 0.05 of them. To a
+compensator without torque sensor the two look the same, and friction is what is to be rejected."""
+
+LEVEL = 1.15
+"""A plane in which gravity changes by up to so many times the least counts as well as the best."""
+
 _PER_SIDE = 8
 _DIGITS = 3
 """Scores count to these digits, so that the last bits of a processor decide nothing; of equals the first is taken."""
@@ -54,8 +61,9 @@ def fitted_square(
     """The largest square from the tool's start that keeps away from singular poses and from the joints' limits.
 
     Tried are the quarters of the world's planes and SIZES of the largest side. Along the whole of it the smallest
-    singular value of the Jacobian, redundant joints held, is at least SINGULAR, and every joint keeps MARGIN. Among
-    squares of one size the one with the most room counts, the smaller of both as a multiple of what is asked.
+    singular value of the Jacobian, redundant joints held, is at least SINGULAR, every joint keeps MARGIN, and gravity
+    changes by GRAVITY_CHANGE at most; where no size has all that, the one with the least change. Of squares of one size
+    the first in which gravity changes least counts. Friction plays no part: without it the square is the same.
 
     Args:
         robot: with a tool; its home is a corner of the square.
@@ -79,15 +87,22 @@ def fitted_square(
             f"of {smallest:.2g} where {SINGULAR:g} is asked for; choose another home, tool or other redundant joints"
         )
     largest = min(LARGEST_SIDE, SIDE_SHARE * reach)
+    found: list[tuple[float, float, tuple[Direction, Direction]]] = []
     for length in [side] if side is not None else [size * largest for size in SIZES]:
-        room = _room(tool, length * np.concatenate([_outline(*each) for each in planes]), poses, reach)
+        q, room = _room(tool, length * np.concatenate([_outline(*each) for each in planes]), poses, reach)
         rooms = np.round(room.reshape(len(planes), -1).min(axis=1), _DIGITS)
-        best = int(np.argmax(rooms))
-        if rooms[best] >= 1.0:
-            return length, planes[best]
+        if rooms.max() >= 1.0:
+            change = np.abs(tool.body.gravity(q) - poses.gravity(robot.home)) / robot.flexible.torque_limit
+            changes = np.where(rooms >= 1.0, change.reshape(len(planes), -1).max(axis=1), np.inf)
+            best = int(np.flatnonzero(changes <= LEVEL * changes.min())[0])
+            found.append((max(GRAVITY_CHANGE, float(changes[best])), length, planes[best]))
+            if found[-1][0] == GRAVITY_CHANGE:
+                break
+    if found:
+        return min(found, key=lambda each: each[0])[1:]
     raise ValueError(
         f"the tool draws no square of {length:.3g} m from this start pose: in the best plane it reaches "
-        f"{rooms[best]:.2g} of what is asked for, a smallest singular value of {SINGULAR:g} and {MARGIN:g} rad to the "
+        f"{rooms.max():.2g} of what is asked for, a smallest singular value of {SINGULAR:g} and {MARGIN:g} rad to the "
         "limit of every joint; choose another home, tool or other redundant joints, or a smaller side"
     )
 
@@ -106,8 +121,11 @@ def _smallest(tool: ToolKinematics, jacobian: Array, units: Array, reach: float)
     return np.asarray(np.linalg.svd(jacobian, compute_uv=False)[:, -1])
 
 
-def _room(tool: ToolKinematics, offset: Array, poses: Poses, reach: float) -> Array:
-    """How much of what is asked for is there at every offset, (n,); above 1 it is enough, 0 is out of reach."""
+def _room(tool: ToolKinematics, offset: Array, poses: Poses, reach: float) -> tuple[Array, Array]:
+    """Joint positions at every offset, (n, dof), and how much of what is asked for is there, (n,).
+
+    Above 1 it is enough; where an offset is out of reach, it is 0 and the joints are at home.
+    """
     q, off = tool.follow(offset)
     reached = off < MAX_RESIDUAL
     q = np.where(reached[:, None], q, tool.q_start)
@@ -116,4 +134,4 @@ def _room(tool: ToolKinematics, offset: Array, poses: Poses, reach: float) -> Ar
     asked = np.minimum(MARGIN * poses.units, MARGIN_SHARE * (high - low))
     margin = (np.minimum(q - low, high - q) / asked).min(axis=1)
     room = np.minimum(_smallest(tool, tool.jacobian(pose), poses.units, reach) / SINGULAR, margin)
-    return np.where(reached, room, 0.0)
+    return q, np.where(reached, room, 0.0)

@@ -14,8 +14,8 @@ from fo_gym.certificate.experiments import SAMPLE, Joint
 from fo_gym.certificate.oracle import Arm, lugre
 from fo_gym.certificate.statement import Finding, at_most, check, near
 from fo_gym.certificate.subject import Subject
+from fo_gym.micro_steps import DEFAULT_PHYSICS_DT, micro_steps
 from fo_gym.plant import FlexibleJointPlant
-from fo_gym.plant.steps import DEFAULT_PHYSICS_DT, micro_steps
 
 Array = NDArray[np.float64]
 

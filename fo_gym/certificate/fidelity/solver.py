@@ -15,8 +15,8 @@ from fo_gym.certificate.oracle import pinocchio_model
 from fo_gym.certificate.statement import Finding, at_most, check, near
 from fo_gym.certificate.steppers import motion, plant, solver
 from fo_gym.certificate.subject import Subject
+from fo_gym.micro_steps import DEFAULT_PHYSICS_DT
 from fo_gym.plant.rigid_body import RigidBody
-from fo_gym.plant.steps import DEFAULT_PHYSICS_DT
 from fo_gym.robots import LinkSide
 
 Array = NDArray[np.float64]

@@ -11,7 +11,7 @@ from fo_gym.certificate.cases import ARM, Case, arm_case, paper_case
 from fo_gym.certificate.statement import Finding, at_most, check, near
 from fo_gym.certificate.steppers import motion, plant, twin
 from fo_gym.certificate.subject import Subject
-from fo_gym.plant.steps import DEFAULT_PHYSICS_DT
+from fo_gym.micro_steps import DEFAULT_PHYSICS_DT
 
 Array = NDArray[np.float64]
 

@@ -122,7 +122,7 @@ def advise_steps(names: tuple[str, ...], parameters: Array, mobility: Array) -> 
 
     Args:
         names: the joints.
-        parameters: (n, dof, 9), columns as in the kernel's PARAMETERS.
+        parameters: (n, dof, 9), columns as in fo_gym.parameters.PARAMETERS.
         mobility: (M^-1)_jj, (n, dof).
     """
     rates = _rates(parameters, mobility)
