@@ -22,7 +22,8 @@ from fo_gym.cli import app
 from fo_gym.console import console
 from fo_gym.extras import install_command
 
-STICTION, REGULATION, SQUARE = IDS
+STICTION, REGULATION, SQUARE = "FJRStiction-v0", "FJRRegulation-v0", "FJRSquare-v0"
+
 ROWS = [
     ("batch", "MuJoCo twin"),
     ("batch", "MuJoCo forward"),

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import mujoco
 import numpy as np
 import pytest
-from environments import IDS, every_env
+from environments import every_env
 
 from fo_gym.bench.subjects import (
     gymnasium_async,
@@ -19,7 +19,8 @@ from fo_gym.bench.subjects import (
     some_beside_mujoco,
 )
 
-STICTION, REGULATION, SQUARE = IDS
+STICTION, REGULATION = "FJRStiction-v0", "FJRRegulation-v0"
+
 OPENERS = {"batch": lambda env_id: some_beside_mujoco(env_id, 3), "single": one_beside_mujoco}
 
 

@@ -15,7 +15,7 @@ from gymnasium.wrappers.vector import DictInfoToList, NormalizeObservation, Reco
 import fo_gym
 
 IDS = tuple(fo_gym.ENVIRONMENTS)
-STICTION_ID, _, SQUARE_ID = IDS
+STICTION_ID, SQUARE_ID = "FJRStiction-v0", "FJRSquare-v0"
 
 every_env = pytest.mark.parametrize("env_id", IDS)
 every_variant = pytest.mark.parametrize("variant", ["nominal", "randomized", "hardware"])

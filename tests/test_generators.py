@@ -8,14 +8,14 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 import pytest
-from environments import IDS, every_env, make
+from environments import every_env, make
 
 from fo_gym import generators
 from fo_gym.generators import Streams
 from fo_gym.hardware import Effect, Hardware
 from fo_gym.tasks.draw import draw_scenario
 
-STICTION, REGULATION, SQUARE = IDS
+STICTION, REGULATION = "FJRStiction-v0", "FJRRegulation-v0"
 
 
 @pytest.fixture

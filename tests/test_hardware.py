@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from effects import DT, begin, joints, measured
-from environments import IDS, every_env, make
+from environments import every_env, make
 from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
 
@@ -14,7 +14,7 @@ from fo_gym import Signals
 from fo_gym import hardware as hw
 from fo_gym.hardware import Hardware
 
-STICTION, REGULATION, SQUARE = IDS
+STICTION, REGULATION = "FJRStiction-v0", "FJRRegulation-v0"
 
 
 class TestSensors:

@@ -8,13 +8,14 @@ from dataclasses import dataclass, field, replace
 import gymnasium as gym
 import numpy as np
 import pytest
-from environments import IDS, every_env, make
+from environments import every_env, make
 
 import fo_gym
 from fo_gym import hardware as hw
 from fo_gym.hardware import Effect, FrictionChange, Hardware
+from fo_gym.robots import Robot, robot_of
 
-STICTION, REGULATION, SQUARE = IDS
+STICTION, REGULATION = "FJRStiction-v0", "FJRRegulation-v0"
 
 
 @dataclass(frozen=True)
@@ -200,6 +201,23 @@ class TestWhatHoldsForAll:
             dof = usual.simulation.dof
             np.testing.assert_array_equal(first[: 2 * dof], second[: 2 * dof])
         assert (first != second).any()
+
+    def test_a_robot_has_them_in_its_fingerprint_and_its_toml_refuses_them(self, tmp_path):
+        """Their numbers and their source decide how it moves; a file of numbers cannot hold them."""
+        robot = robot_of("miro_like")
+
+        def having(*others):
+            return replace(robot, hardware=replace(robot.hardware, others=others))
+
+        robots = [robot, having(Weak(0.5)), having(Weak(0.25)), having(replace_name(Weak(0.5), "Other"))]
+        robots.append(having(Weak(0.5), Drift()))
+        assert len({each.fingerprint for each in robots}) == len(robots)
+        assert having(Weak(0.5)).fingerprint == robots[1].fingerprint
+        for each in robots[1:]:
+            with pytest.raises(ValueError, match=r"hardware.others is .*; a robot.toml holds numbers alone"):
+                each.to_toml(tmp_path / "robot.toml")
+        robot.to_toml(tmp_path / "robot.toml")
+        assert Robot.from_toml(tmp_path / "robot.toml").hardware.others == ()
 
     def test_compensators_are_evaluated_on_them(self):
         arguments = {"variant": "hardware", "seeds": 1, "duration": 0.05}

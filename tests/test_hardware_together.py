@@ -8,14 +8,15 @@ from dataclasses import fields, replace
 import gymnasium as gym
 import numpy as np
 import pytest
-from environments import IDS, every_env, make
+from environments import every_env, make
 
 import fo_gym
 from fo_gym import Signals
 from fo_gym import hardware as hw
 from fo_gym.hardware import Hardware, SensorModel
 
-STICTION, REGULATION, SQUARE = IDS
+STICTION = "FJRStiction-v0"
+
 EFFECTS = [field.name for field in fields(Hardware) if field.name != "others"]
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -60,8 +59,5 @@ class TorqueSensor(Effect):
         filtered = before + weight(self.cutoff, episodes.control_dt) * (readings.tau_j - before)
         episodes.memory["filtered"] = filtered
         tau_j = filtered + episodes.drawn["offset"]
-        return readings._replace(tau_j=tau_j if self._silent else tau_j + self.noise * episodes.standard_normal())
-
-    @cached_property
-    def _silent(self) -> bool:
-        return not np.any(np.asarray(self.noise) > 0)
+        silent = self.noise == 0.0 if isinstance(self.noise, float) else not self.noise.any()
+        return readings._replace(tau_j=tau_j if silent else tau_j + self.noise * episodes.standard_normal())

@@ -74,7 +74,13 @@ def parts_of(path: str, parameters: Any) -> Iterator[tuple[str, Any]]:
     """(dotted path, value) of all that parameters hold, and that is not None; parts within parts included."""
     for field in dataclasses.fields(parameters):
         value, inner = getattr(parameters, field.name), f"{path}.{field.name}"
-        if dataclasses.is_dataclass(value):
+        if inner == "hardware.others":
+            if value:
+                raise ValueError(
+                    f"{inner} is {shown(value)}; a robot.toml holds numbers alone: write the robot without these "
+                    "effects, and give them where it is used"
+                )
+        elif dataclasses.is_dataclass(value):
             yield from parts_of(inner, value)
         elif value is not None:
             yield inner, value

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import hashlib
+import inspect
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cached_property
@@ -15,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.checks import instance, real_array, shown, text
-from fo_gym.hardware import Hardware
+from fo_gym.hardware import Effect, Hardware
 from fo_gym.parameters import FlexibleJoint, ImpedanceGains, LuGre, PDGains, per_joint
 from fo_gym.robots.advice import Advice, advice
 from fo_gym.robots.exchange import read_robot, robot_text
@@ -184,9 +186,21 @@ class Robot:
 
 
 def _content(part: Any) -> Any:
-    """A field, exactly: arrays as lists of numbers, parameters by the names of their fields."""
+    """A field, exactly: arrays as lists, parameters by the names of their fields, effects with their source."""
     if isinstance(part, np.ndarray):
         return part.tolist()
+    if isinstance(part, tuple):
+        return [_content(each) for each in part]
+    if isinstance(part, Effect):
+        return {**{name: _content(value) for name, value in vars(part).items()}, "class": _source(part)}
     if is_dataclass(part):
         return {name: _content(value) for name, value in vars(part).items()}
     return part
+
+
+def _source(effect: Effect) -> str:
+    """The class of an effect and the text of its module; what is never the same again, where that cannot be had."""
+    try:
+        return f"{type(effect).__qualname__}: {inspect.getsource(sys.modules[type(effect).__module__])}"
+    except (OSError, TypeError):
+        return object.__repr__(effect)
