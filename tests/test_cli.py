@@ -379,7 +379,7 @@ WIDE = Ranking(
     [["1", "a-long-name of mine", "0.9838", "0.9821 ... 0.9852", "1 ... 3", "ab", "0.0124", "5.1", "best"]] * 2
     + [["", "theirs", "", "", "", "", "", "", "failed: KeyError: a long tale, which is told to its very end"]],
 )
-SETS = [f"{env}, {variant}" for env in fo_gym.ENVIRONMENTS for variant in VARIANTS]
+SETS = [f"{env}, {variant}" for env in ("FJRStiction-v0", "FJRRegulation-v0", "FJRSquare-v0") for variant in VARIANTS]
 SUMMARY = Ranking("Friction rejection ratio", ["compensator", *SETS], [["pid-measured", *map(str, range(9))]])
 
 

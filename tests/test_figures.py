@@ -37,7 +37,7 @@ def boxes(texts: Sequence[Text]) -> list[Bbox]:
 
 def table_of(levels: Sequence[float], env: str = SQUARE, variant: str = "nominal") -> pd.DataFrame:
     """What `ranking_figure` reads of a leaderboard."""
-    rows = pd.DataFrame({"frr": levels, "compensator": [f"long-name-{i}" for i in range(len(levels))]})
+    rows = pd.DataFrame({"frr": levels, "robot": "", "compensator": [f"long-name-{i}" for i in range(len(levels))]})
     wide = {"frr_ci_low": rows["frr"] - 0.1, "frr_ci_high": np.minimum(rows["frr"] + 0.1, 1.0)}
     return rows.assign(env=env, variant=variant, origin="baseline", verdict="behind", tied_group="abc", **wide)
 
@@ -126,7 +126,8 @@ def trace(name: str, frr: float, env: str = STICTION, offset: float = 1e-3) -> T
     signals = {"time": time, "theta": joints + np.float32(offset), "theta_ideal": joints, "theta_d": joints}
     if env == SQUARE:
         signals |= {"tool": tool + np.float32(offset), "tool_d": tool, "tool_ideal": tool}
-    return Trace(env, "nominal", name, 0, "median", frr, "m" if dof == 1 else "rad", signals)
+    robot = "single_link" if env == STICTION else "miro_like"
+    return Trace(env, robot, "nominal", name, 0, "median", frr, "m" if dof == 1 else "rad", signals)
 
 
 @pytest.mark.parametrize("env", [STICTION, REGULATION, SQUARE])

@@ -67,7 +67,7 @@ def theirs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
 def test_together_is_what_each_is_alone() -> None:
     gains = {"L": [50.0, 100.0], "Lp": [16.0, 20.0]}
     rows = fo_gym.sweep("pid-high", STICTION, gains, **SHORT)
-    assert list(rows.columns[:6]) == ["env", "variant", "compensator", "L", "Lp", "seed"]
+    assert list(rows.columns[:6]) == ["env", "robot", "variant", "compensator", "L", "Lp"]
     assert rows["compensator"].unique() == ["pid-high"]
     assert rows[["L", "Lp"]].drop_duplicates().to_numpy().tolist() == [[50, 16], [50, 20], [100, 16], [100, 20]]
     for (L, Lp), group in rows.groupby(["L", "Lp"]):
@@ -243,7 +243,9 @@ def table(*names: str, failed: int = 0) -> pd.DataFrame:
     """A sweep over the gains of these names, 1, 2, 3 each, that is best where all are 2."""
     grid = pd.MultiIndex.from_product([[1.0, 2.0, 3.0]] * len(names), names=names).to_frame(index=False)
     frr = 1.0 - 0.1 * ((grid - 2.0) ** 2).sum(axis=1)
-    rows = grid.assign(env=STICTION, variant="nominal", compensator="a_$b", frr=frr, status="ok", error="")
+    rows = grid.assign(
+        env=STICTION, robot="single_link", variant="nominal", compensator="a_$b", frr=frr, status="ok", error=""
+    )
     rows.loc[: failed - 1, ["frr", "status", "error"]] = [np.nan, "failed", "refused"]
     return pd.concat([rows, rows.assign(frr=rows["frr"] - 0.02)], ignore_index=True)
 

@@ -147,7 +147,7 @@ def test_every_trace_is_a_file_that_the_index_names(trial: Trial, tmp_path: Path
     index = write_traces(trial.traces, trial.rows, tmp_path / "traces")
     table = read_csv(index.read_text(encoding="utf-8"))
     assert list(table) == [
-        *("env", "variant", "compensator", "seed", "place", "status", "frr", "joint_unit", "origin"),
+        *("env", "robot", "variant", "compensator", "seed", "place", "status", "frr", "joint_unit", "origin"),
         *("competitor_hash", "protocol", "ticks", "file"),
     ]
     assert table["file"].tolist() == [f"{STICTION}/randomized/pd.{place}.npz" for place in ("worst", "median", "best")]

@@ -101,7 +101,7 @@ def _tell(found: list[Comparison]) -> None:
         say(f"{comparison.verdict}: {' '.join(comparison.row)}")
         for difference in (*comparison.beyond, *comparison.versions):
             say(f"    {difference}")
-    runs = len({comparison.row[:3] for comparison in found})
+    runs = len({comparison.row[:4] for comparison in found})
     say(f"{len(found)} rows of {runs} runs: " + ", ".join(f"{counts[each]} {each}" for each in VERDICTS))
     if counts[MISMATCH]:
         raise Stop(
