@@ -8,7 +8,7 @@ import re
 import gymnasium as gym
 import numpy as np
 import pytest
-from environments import SQUARE_ID, every_env, make
+from environments import every_env, make
 
 import fo_gym
 
@@ -77,7 +77,7 @@ def test_bad_arguments_are_refused_with_the_remedy(env_id, maker, arguments, mes
 def test_reset_options(env_id):
     """What is refused, and why; what is taken is copied, and counts for one episode."""
     env, vector = gym.make(env_id).unwrapped, gym.make_vec(env_id, num_envs=3)
-    dof = env.simulation.dof
+    dof, takes_target = env.simulation.dof, env.simulation.limits.takes_target
     ones, longer = np.ones(dof), np.ones(dof + 1)
     push = {"time": 0.0, "duration": 0.1, "torque": ones}
     refused = [
@@ -90,7 +90,7 @@ def test_reset_options(env_id):
         ({"push": {**push, "time": -1.0}}, "push time is -1.0 s; .*at least 0"),
         ({"push": {**push, "duration": 0.0}}, "push duration is 0.0 s; .*above 0"),
     ]
-    why = "takes no 'target'" if env_id == SQUARE_ID else rf"'target' is .*finite numbers of shape \({dof},\)"
+    why = rf"'target' is .*finite numbers of shape \({dof},\)" if takes_target else "takes no 'target'"
     refused += [({"target": target}, why) for target in (longer, np.inf * ones, 0.0)]
     for options, message in refused:
         for each in (env, vector):
@@ -101,7 +101,7 @@ def test_reset_options(env_id):
         np.testing.assert_allclose(each.step(0.0 * each.action_space.high)[4]["tau_ext"], np.sin(np.pi / 200.0) ** 2)
         each.reset(seed=0)
         np.testing.assert_array_equal(each.step(0.0 * each.action_space.high)[4]["tau_ext"], 0.0)
-    if env_id != SQUARE_ID:
+    if takes_target:
         target = 0.4 * ones
         env.reset(options={"target": target})
         target[:] = 9.0

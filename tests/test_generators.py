@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import gymnasium as gym
@@ -14,6 +14,7 @@ from fo_gym import generators
 from fo_gym.generators import Streams
 from fo_gym.hardware import Effect, Hardware
 from fo_gym.tasks.draw import draw_scenario
+from fo_gym.tasks.randomization import Randomization
 
 STICTION, REGULATION = "FJRStiction-v0", "FJRRegulation-v0"
 
@@ -119,6 +120,15 @@ class TestNamed:
             assert len(shared) > 15
             for name in shared:
                 np.testing.assert_array_equal(changed[name], usual[name], err_msg=f"{name} with {changes}")
+
+    def test_every_draw_has_a_name_of_its_own(self, monkeypatch):
+        """The ranges of the randomization by their fields, the effects by theirs, and each once."""
+        asked = []
+        monkeypatch.setattr(Streams, "__call__", lambda self, name: asked.append(name) or np.random.default_rng(0))
+        draws(REGULATION, 4)
+        effects = ["ModelError", "TorqueSensor", "GearRipple", "Temperature", "PushTime", "TorqueSensor noise"]
+        ranges = [field.name for field in fields(Randomization)]
+        assert sorted(asked[-len(ranges) - len(effects) :]) == sorted([*ranges, *effects])
 
     @every_env
     def test_draws_fill_their_ranges(self, env_id):

@@ -90,6 +90,7 @@ class TestWhatTheyDo:
     @every_env
     def test_a_reading_is_changed_by_what_was_drawn(self, env_id):
         env = make(env_id, hardware=Hardware(others=(Drift(period=1.0),)))
+        env.reset(seed=3)
         rate = env.simulation.scenarios[0].hardware.drawn["Drift"]["rate"]
         for k in range(1, 20):
             env.step(np.zeros(env.action_space.shape))
