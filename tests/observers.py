@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 import fo_gym
+from fo_gym.certificate.cases import FRICTION
 from fo_gym.robots import robot_of
 
 DT = 1e-3
 
 
-IDENTIFIED = {1: robot_of("single_link").friction, 7: robot_of("miro_like").friction}
+IDENTIFIED = {1: FRICTION, 7: robot_of("miro_like").friction}
 """Of the two shipped robots, by their number of joints."""
 
 

@@ -25,7 +25,7 @@ TREES = {module: ast.parse(path.read_text(encoding="utf-8")) for module, path in
 # know each other.
 FLOW = (
     ("envs_assets", "fo_gym.checks", "fo_gym.extras", "fo_gym.instructions", "fo_gym.text", "fo_gym.toml"),
-    ("fo_gym.generators", "fo_gym.micro_steps", "fo_gym.parameters", "fo_gym.signals"),
+    ("fo_gym.generators", "fo_gym.micro_steps", "fo_gym.parameters", "fo_gym.signals", "fo_gym.specs"),
     ("fo_gym.hardware",),
     ("fo_gym.robots",),
     ("fo_gym.plant",),
@@ -35,7 +35,6 @@ FLOW = (
     ("fo_gym.simulation",),
     ("fo_gym.envs",),
     ("fo_gym.files", "fo_gym.console", "fo_gym.sb3"),
-    ("fo_gym.specs",),
     ("fo_gym.compensators",),
     ("fo_gym.evaluation", "fo_gym.protocols"),
     ("fo_gym.evaluation.episode",),

@@ -150,7 +150,9 @@ def test_every_trace_is_a_file_that_the_index_names(trial: Trial, tmp_path: Path
         *("env", "robot", "variant", "compensator", "seed", "place", "status", "frr", "joint_unit", "origin"),
         *("competitor_hash", "protocol", "ticks", "file"),
     ]
-    assert table["file"].tolist() == [f"{STICTION}/randomized/pd.{place}.npz" for place in ("worst", "median", "best")]
+    assert table["file"].tolist() == [
+        f"{STICTION}/single_link/randomized/pd.{place}.npz" for place in ("worst", "median", "best")
+    ]
     scores = trial.rows.set_index("seed")["frr"]
     assert table["frr"].tolist() == pytest.approx(scores[table["seed"]].tolist(), rel=1e-5)
     for trace, row in zip(trial.traces, table.to_dict("records"), strict=True):

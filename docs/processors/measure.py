@@ -54,13 +54,15 @@ def comparisons(native: pd.DataFrame, other: pd.DataFrame) -> list[Comparison]:
 
 
 def differences(found: Sequence[Comparison]) -> pd.DataFrame:
-    """How far every metric of every episode differs: env, variant, compensator, seed, chaotic, metric, difference."""
+    """How far every metric of every episode differs: env, robot, variant, compensator, seed, chaotic, metric, difference."""
     table = []
     for each in found:
         told = {cell.column: cell.size for cell in each.differences}
         for name in METRICS:
             table.append([*each.row, each.verdict == CHAOTIC, name, told.get(name, 0.0)])
-    return pd.DataFrame(table, columns=["env", "variant", "compensator", "seed", "chaotic", "metric", "difference"])
+    return pd.DataFrame(
+        table, columns=["env", "robot", "variant", "compensator", "seed", "chaotic", "metric", "difference"]
+    )
 
 
 def check(name: str, found: Sequence[Comparison]) -> None:
@@ -76,13 +78,16 @@ def check(name: str, found: Sequence[Comparison]) -> None:
 def summary(name: str, found: Sequence[Comparison]) -> pd.DataFrame:
     """The rows of differences.csv for one instruction set."""
     table = []
-    for (metric, env, variant), rows in differences(found).groupby(["metric", "env", "variant"], sort=False):
+    for (metric, env, robot, variant), rows in differences(found).groupby(
+        ["metric", "env", "robot", "variant"], sort=False
+    ):
         calm, chaotic = rows.loc[~rows["chaotic"], "difference"], rows.loc[rows["chaotic"], "difference"]
         table.append(
             {
                 "instruction_set": name,
                 "metric": metric,
                 "env": env,
+                "robot": robot,
                 "variant": variant,
                 "episodes": len(rows),
                 "chaotic": len(chaotic),

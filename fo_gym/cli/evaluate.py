@@ -103,6 +103,9 @@ def run_evaluate(
         raise Stop(str(error)) from error
     if out is not None:
         _check_ranking(names)
+    for competitor in (*given, *others):
+        with _telling(), competitor.playing(env, variant):
+            pass  # what cannot be made says so before anything runs
     results = _run((*given, *others), protocol, store_in(store, fresh=fresh), jobs, traced=traces)
     print_rankings(results)
     if out is not None:
@@ -142,17 +145,11 @@ def _check_ranking(names: Sequence[str]) -> None:
 
 
 def _run(everybody: Sequence[Competitor], protocol: Protocol, store: Store, jobs: int, *, traced: bool) -> Results:
-    """Everybody on the episodes of the protocol; who is not in the store yet meets the first moments before.
-
-    Everybody is made first: what cannot be made says so before anything runs.
-    """
+    """Everybody on the episodes of the protocol; who is not in the store yet meets the first moments before."""
     from fo_gym.evaluation.runs.contest import Contest, episodes_in
     from fo_gym.evaluation.runs.meeting import meet
     from fo_gym.specs import BUILT_IN
 
-    for competitor in everybody:
-        with _telling(), competitor.playing(protocol.environments[0], protocol.variants[0]):
-            pass
     try:
         (episodes,) = episodes_in(protocol, traced=traced)
     except (ValueError, OSError) as error:

@@ -20,6 +20,7 @@ from typing import Any
 import gymnasium as gym
 
 from fo_gym.checks import shown, text
+from fo_gym.specs import spec_of
 
 GROUP = "fo_gym.environments"
 """Entry points of modules that register environments when they are imported."""
@@ -109,9 +110,10 @@ def environment_of(name: str) -> Environment:
     Raises:
         ValueError: there is none; the message names those there are.
     """
-    where, _, env_id = text("environment", name).rpartition(":")
-    if where:
-        _import(name, where)
+    spec = spec_of(text("environment", name))
+    env_id = spec.attribute or name
+    if spec.attribute:
+        _import(name, spec.where)
     elif env_id not in ENVIRONMENTS:
         _import_plug_ins()
     if env_id not in ENVIRONMENTS:
