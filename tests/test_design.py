@@ -85,10 +85,10 @@ def test_what_the_file_gives_is_taken(tmp_path: Path) -> None:
     assert np.all(joints.motor_inertia > 0)
     assert np.all(np.isfinite(joints.torque_limit))
     assert joints.torque_limit[1] == free.torque_limit[1]
-    # A frictionloss that hardly slows the motor is a placeholder, any other is taken as Coulomb friction.
-    loss = np.array([0.01, 0.0, 0.05, 2.0, 1.0, 0.3])
+    # A frictionloss that hardly slows the motor is a placeholder, one near the torque limit an error; others are f_c.
+    loss = np.array([0.01, 0.0, 40.0, 2.0, 1.0, 0.3])
     friction, assumed = (designed_friction(model, free, frictionloss=each) for each in (loss, None))
-    taken = loss >= free.motor_inertia
+    taken = (loss >= free.motor_inertia) & (loss <= 0.25 * free.torque_limit)
     assert 0 < np.count_nonzero(taken) < len(taken)
     np.testing.assert_array_equal(friction.f_c, np.where(taken, loss, assumed.f_c))
 

@@ -10,7 +10,7 @@ import pytest
 from arms import SIX, arm, miro
 
 from fo_gym.robots.home import SINGULAR, conditioning, found_home, poor_home, redundant_joints
-from fo_gym.robots.poses import CENTRAL, SLIDE, Poses, scaled
+from fo_gym.robots.poses import CENTRAL, SLIDE, Poses, motion_units, natural_units, scaled
 
 Z, Y = "0 0 1", "0 1 0"
 GANTRY = ("1 0 0", "0 1 0", "0 0 1")
@@ -60,6 +60,14 @@ def test_poor_homes_say_why(tmp_path: Path) -> None:
     assert "singular" in str(poor_home(model, np.zeros(6), "tool"))
     assert poor_home(model, np.zeros(6)) is None
     assert poor_home(miro().link_side.model, miro().home, "tool") is None
+
+
+def test_short_slides_move_within_their_range(tmp_path: Path) -> None:
+    """A step of 5 degrees is 8.7 mm of a slide, and 8.7 % of the range of one that is shorter than 0.1 m."""
+    long, short = (arm(tmp_path / f"{scale}.xml", ("1 0 0",), slides=(0,), scale=scale) for scale in (1.0, 0.05))
+    np.testing.assert_allclose(motion_units(long.link_side.model), [0.1])
+    np.testing.assert_allclose(motion_units(short.link_side.model), [0.02])
+    np.testing.assert_allclose(natural_units(short.link_side.model), [0.1])
 
 
 def test_conditioning_is_that_of_the_jacobian(tmp_path: Path) -> None:

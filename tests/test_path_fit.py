@@ -86,9 +86,9 @@ def test_arms_without_a_square_say_why(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="at least 3 joints; this one has 2"):
         fitted_square(two)
     planar = replace(arm(tmp_path / "planar.xml", (Y, Y, Y)), home=np.array([0.5, 0.8, -0.6]))
-    with pytest.raises(ValueError, match="singular there, with a smallest singular value of"):
+    with pytest.raises(ValueError, match=r"move it in 2 of the 3 directions.*singular value is"):
         fitted_square(planar)
-    with pytest.raises(ValueError, match="singular there"):
+    with pytest.raises(ValueError, match=r"in [45] of the 6 directions"):
         fitted_square(replace(arm(tmp_path / "6.xml"), home=np.zeros(6)))
     with pytest.raises(ValueError, match=r"no square of 0\.9 m.*0 of what is asked for"):
         fitted_square(miro(), side=0.9)

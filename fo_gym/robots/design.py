@@ -36,8 +36,9 @@ ACCELERATION = 100.0
 INERTIA_RATIO = (0.3, 3.0)
 """B is at least the first times its own link's M_jj, at most the second times the largest M_jj of the arm."""
 
-MOTOR_MODE = 100.0
-"""sqrt(K_j / B) [rad/s]: the motor against a held link."""
+MOTOR_MODE = (100.0, 400.0)
+"""sqrt(K_j / B) [rad/s], the motor against a held link: as designed, and the highest that 1 kHz follows, 0.4 of a
+radian between two samples."""
 
 SPRING_MODE = 1500.0
 """sqrt(K_j (1/B + (M^-1)_jj)) at most [rad/s]: 0.3 of a radian in the default micro-step of 0.2 ms, where 0.5 is the
@@ -52,11 +53,14 @@ SPRING_DAMPING = 0.01
 FRICTION_SHARE = 0.05
 """f_c as a share of the torque limit."""
 
-FRICTION_DECELERATION = (3.0, 20.0)
+FRICTION_DECELERATION = (3.0, 10.0)
 """f_c / B at least and at most [rad/s^2]."""
 
 PLACEHOLDER = 1.0
 """A file's frictionloss that decelerates the motor by less than this [rad/s^2] is a solver's placeholder."""
+
+FRICTION_MOST = 0.25
+"""Share of the torque limit from which on a file's frictionloss leaves too little to move with."""
 
 STICTION = 1.5
 """f_s / f_c: MIRO-like 1.5; up to 2 was measured on a loaded joint (axol)."""
@@ -92,8 +96,8 @@ def designed_joints(
     * Torque limit: the file's; else LIMIT_GRAVITY times the largest gravity load over the poses plus LIMIT_ACCELERATION
       times M_jj(home) and the file's armature, at least LIMIT_SHARE of the strongest joint's.
     * B: the file's armature; else limit / ACCELERATION, within INERTIA_RATIO.
-    * K_j: MOTOR_MODE^2 B, more where gravity would deflect it by more than SAG, at most what SPRING_MODE allows in all
-      of the poses that were looked at.
+    * K_j: B times the square of MOTOR_MODE, of its higher value where gravity asks for it by SAG; at most what
+      SPRING_MODE allows in all of the poses that were looked at.
     * D_j: SPRING_DAMPING of the spring's mode at home.
 
     Args:
@@ -116,7 +120,8 @@ def designed_joints(
     inertia = np.where(rotor > 0.0, rotor, _two_digits(inertia, units**2))
     mobility = _mobility(poses) / units**2
     softest = SPRING_MODE**2 / (1.0 / inertia + mobility.max(axis=0))
-    stiffness = np.minimum(np.maximum(MOTOR_MODE**2 * inertia, load / SAG), softest)
+    usual, highest = (mode**2 * inertia for mode in MOTOR_MODE)
+    stiffness = np.minimum(np.clip(load / SAG, usual, highest), softest)
     damping = 2.0 * SPRING_DAMPING * np.sqrt(stiffness / (1.0 / inertia + mobility[0]))
     return FlexibleJoint(
         stiffness=_two_digits(stiffness, units**2) / units**2,
@@ -129,8 +134,8 @@ def designed_joints(
 def designed_friction(model: mujoco.MjModel, joints: FlexibleJoint, *, frictionloss: Array | None = None) -> LuGre:
     """LuGre friction of every joint.
 
-    * f_c: the file's frictionloss, unless it is below PLACEHOLDER; else FRICTION_SHARE of the torque limit, within
-      FRICTION_DECELERATION.
+    * f_c: the file's frictionloss, unless it is below PLACEHOLDER or above FRICTION_MOST; else FRICTION_SHARE of the
+      torque limit, within FRICTION_DECELERATION.
     * f_s, sigma_0, v_s, sigma_2 by STICTION, DEFLECTION (more where BRISTLE_MODE asks for it), STRIBECK and VISCOUS;
       sigma_1 = sqrt(sigma_0 B), which damps the bristle's mode by a half.
 
@@ -144,7 +149,8 @@ def designed_friction(model: mujoco.MjModel, joints: FlexibleJoint, *, frictionl
     least, most = FRICTION_DECELERATION
     designed = np.clip(FRICTION_SHARE * joints.torque_limit * units, least * inertia, most * inertia)
     given = _known(frictionloss, 0.0, len(units)) * units
-    f_c = np.where(given >= PLACEHOLDER * inertia, given, _two_digits(designed, units))
+    plausible = (given >= PLACEHOLDER * inertia) & (given <= FRICTION_MOST * joints.torque_limit * units)
+    f_c = np.where(plausible, given, _two_digits(designed, units))
     sigma_0 = np.minimum(f_c / DEFLECTION, BRISTLE_MODE**2 * inertia)
     return LuGre(
         sigma_0=sigma_0 / units**2,

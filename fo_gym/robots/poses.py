@@ -23,12 +23,28 @@ CENTRAL = 0.6
 _SLOPE_STEP = 1e-4
 """Of the central difference that gives dg/dq, in natural units; g is a sine of them, so it is good to 2e-9 of g."""
 
-__all__ = ["CENTRAL", "ORIENTED_FROM", "SLIDE", "Poses", "joint_range", "natural_units", "scaled", "tool_rows"]
+__all__ = [
+    "CENTRAL",
+    "ORIENTED_FROM",
+    "SLIDE",
+    "Poses",
+    "joint_range",
+    "motion_units",
+    "natural_units",
+    "scaled",
+    "tool_rows",
+]
 
 
 def natural_units(model: mujoco.MjModel) -> Array:
     """1 rad for a hinge, SLIDE for a slide, (dof,) [rad | m]: in these units joints of both kinds compare."""
     return np.where(model.jnt_type == int(mujoco.mjtJoint.mjJNT_SLIDE), SLIDE, 1.0)
+
+
+def motion_units(model: mujoco.MjModel) -> Array:
+    """By what joints move where hinges are asked for 1 rad: a natural unit, at most their range, (dof,) [rad | m]."""
+    low, high = joint_range(model)
+    return np.minimum(natural_units(model), high - low)
 
 
 def joint_range(model: mujoco.MjModel) -> tuple[Array, Array]:

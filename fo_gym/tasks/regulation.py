@@ -6,7 +6,7 @@ import numpy as np
 
 from fo_gym.hardware import PushTime
 from fo_gym.robots import Robot
-from fo_gym.robots.poses import natural_units
+from fo_gym.robots.poses import motion_units
 from fo_gym.tasks.push import fitted_torque
 from fo_gym.tasks.randomization import Randomization
 from fo_gym.tasks.scenario import Push
@@ -22,7 +22,7 @@ def regulation(robot: Robot) -> Task:
     Step, push and times are the paper's; the push is as hard for other arms as 10 N m are at its joint 2. Where joints
     slide, 0.1 m stands for a radian.
     """
-    scale = natural_units(robot.link_side.model)
+    scale = motion_units(robot.link_side.model)
     push = Push(time=13.0, duration=0.5, torque=fitted_torque(robot))
     return Task(
         Step(size=np.deg2rad(-5.0) * scale, time=3.0),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fo_gym.hardware import PushTime
 from fo_gym.robots import Robot
-from fo_gym.robots.poses import natural_units
+from fo_gym.robots.poses import motion_units
 from fo_gym.tasks.push import fitted_torque
 from fo_gym.tasks.randomization import Randomization
 from fo_gym.tasks.scenario import Push
@@ -19,7 +19,7 @@ def square(robot: Robot) -> Task:
 
     Randomized episodes push the arm while it holds, as hard as regulation does.
     """
-    scale = natural_units(robot.link_side.model)
+    scale = motion_units(robot.link_side.model)
     return Task(
         ToolPath(duration=5.0),
         duration=8.0,

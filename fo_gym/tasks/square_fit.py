@@ -80,11 +80,13 @@ def fitted_square(
     tool = ToolKinematics(robot.link_side, robot.home, robot.redundant, len(planes) * 4 * _PER_SIDE)
     poses = Poses(tool.body.model, robot.tool)
     reach = poses.reach()
-    smallest = _smallest(tool, tool.jacobian(tool.start), poses.units, reach)[0]
+    smallest = float(_smallest(tool, tool.jacobian(tool.start), poses.units, reach)[0])
     if smallest < SINGULAR:
+        directions = np.linalg.matrix_rank(scaled(poses.jacobian(robot.home)[: tool.rows], poses.units, reach), 1e-6)
         raise ValueError(
-            f"the tool cannot draw a square from this start pose: it is singular there, with a smallest singular value "
-            f"of {smallest:.2g} where {SINGULAR:g} is asked for; choose another home, tool or other redundant joints"
+            f"the tool {robot.tool!r} of robot {robot.name!r} cannot draw a square: at home its joints move it in "
+            f"{directions} of the {tool.rows} directions that the task controls, and the smallest singular value is "
+            f"{smallest:.2g} where {SINGULAR:g} is asked for; choose another home, tool or other redundant joints"
         )
     largest = min(LARGEST_SIDE, SIDE_SHARE * reach)
     found: list[tuple[float, float, tuple[Direction, Direction]]] = []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fo_gym.hardware import PushTime
 from fo_gym.robots import Robot
-from fo_gym.robots.poses import natural_units
+from fo_gym.robots.poses import motion_units
 from fo_gym.tasks.joint_path import JointPath
 from fo_gym.tasks.push import fitted_torque
 from fo_gym.tasks.randomization import Randomization
@@ -19,7 +19,7 @@ def tracking(robot: Robot) -> Task:
 
     Randomized episodes push the arm while it swings.
     """
-    scale = natural_units(robot.link_side.model)
+    scale = motion_units(robot.link_side.model)
     return Task(
         JointPath(duration=10.0),
         duration=12.0,
