@@ -54,7 +54,7 @@ def comparisons(native: pd.DataFrame, other: pd.DataFrame) -> list[Comparison]:
 
 
 def differences(found: Sequence[Comparison]) -> pd.DataFrame:
-    """How far every metric of every episode differs: env, robot, variant, compensator, seed, chaotic, metric, difference."""
+    """How far every metric of every episode differs, with the key of its row."""
     table = []
     for each in found:
         told = {cell.column: cell.size for cell in each.differences}
