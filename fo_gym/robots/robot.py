@@ -23,6 +23,7 @@ from fo_gym.robots.advice import Advice, advice
 from fo_gym.robots.exchange import read_robot, robot_text
 from fo_gym.robots.link_side import LinkSide
 from fo_gym.robots.making import made_from_file
+from fo_gym.robots.poses import SLIDE
 from fo_gym.robots.report import Report
 
 Array = NDArray[np.float64]
@@ -109,8 +110,16 @@ class Robot:
 
     @property
     def joint_unit(self) -> str:
-        """Unit of the joints, "rad" or "m"; that of most of them, where they differ."""
-        return max(("rad", "m"), key=self.units.count)
+        """Unit that the joints are told in, "rad" or "m"; where some turn and some slide, "rad", see `levers`."""
+        return "m" if set(self.units) == {"m"} else "rad"
+
+    @property
+    def levers(self) -> Array:
+        """What `joint_unit` is of each joint's own unit, (dof,): 1, but for slides among hinges 0.1 m/rad.
+
+        Divided by it, positions and velocities of all joints compare; multiplied, torques do, and energies are kept.
+        """
+        return np.where([unit == self.joint_unit for unit in self.units], 1.0, SLIDE)
 
     @property
     def tool(self) -> str | None:

@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 
 _TICK_SIGNALS = ("theta_n", "theta_n_dot", "theta_d", "reference")
 _TICK_TRUTH = ("theta", "theta_dot", "q", "q_dot")
+_JOINT_TICKS = ("theta", "theta_dot", "q", "q_dot", "theta_n", "theta_n_dot", "theta_d")
 _PERIOD_TRUTH = ("tau_f_hat", "tau_m", "tau_f", "tau_ext")
 
 __all__ = ["record"]
@@ -130,6 +131,9 @@ class _Recorder:
             body = RigidBody(simulation.robot.link_side, self.steps + 1)
             tool = [body.tool_position(self.ticks["q"][:, i]) for i in range(self.env.num_envs)]
             self.ticks["tool"] = np.stack(tool, axis=1)
+        levers = simulation.robot.levers
+        if np.any(levers != 1.0):
+            self._tell_in_one_unit(levers)
         return Recording(
             robot=simulation.robot,
             task=simulation.task,
@@ -137,8 +141,13 @@ class _Recorder:
             ticks=self.ticks,
             periods=self.periods,
             scenarios=self.scenarios,
-            torque_limit=np.asarray(simulation.torque_limit),
+            torque_limit=np.asarray(simulation.torque_limit) * levers,
             terminations=self.terminations,
             ended=self.ended,
             seconds=self.seconds,
         )
+
+    def _tell_in_one_unit(self, levers: Array) -> None:
+        """Joints of a robot with hinges and slides in the same unit, see `Robot.levers`."""
+        self.ticks |= {name: self.ticks[name] / levers for name in _JOINT_TICKS}
+        self.periods = {name: array * levers for name, array in self.periods.items()}

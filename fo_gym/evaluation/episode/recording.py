@@ -53,6 +53,9 @@ class References:
 class Recording:
     """A batch of episodes of one compensator.
 
+    Joints are told in `Robot.joint_unit`: where some turn and some slide, in rad, and torques in N m, slides by their
+    `Robot.levers`.
+
     Attributes:
         robot, task: what was run.
         dt: time between two ticks [s].

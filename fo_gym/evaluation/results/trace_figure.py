@@ -102,18 +102,20 @@ def _draw_joint(left: Axes, right: Axes, curves: Sequence[_Curve]) -> None:
 
 
 def _draw_paths(left: Axes, right: Axes, curves: Sequence[_Curve]) -> None:
-    """Left: the tool's path in the y-z plane; right: how far it is from where it would be without friction."""
+    """Left: the tool's path in its plane; right: how far it is from where it would be without friction."""
+    reference = curves[0][0].signals["tool_d"]
+    plane = np.sort(np.argsort(np.ptp(reference, axis=0), kind="stable")[1:])  # the two directions in which it moves
     for trace, _, line in curves:
         tool, ideal = trace.signals["tool"], trace.signals["tool_ideal"]
-        left.plot(*(_MILLI * tool[:, 1:].T), **line)
+        left.plot(*(_MILLI * tool[:, plane].T), **line)
         if trace.compensator != "ideal":
             right.semilogy(trace.signals["time"], _MILLI * np.linalg.norm(tool - ideal, axis=1), **line)
-    left.plot(*(_MILLI * curves[0][0].signals["tool_d"][:, 1:].T), color="k", linewidth=0.6)
+    left.plot(*(_MILLI * reference[:, plane].T), color="k", linewidth=0.6)
     left.set_aspect("equal")
     names = [*(name for _, name, _ in curves), "reference"]
     left.legend(left.lines, names, loc="center", fontsize=7.5)  # within the path there is nothing to cover
-    left.set_xlabel("y [mm]")
-    left.set_ylabel("z [mm]")
+    left.set_xlabel(f"{'xyz'[plane[0]]} [mm]")
+    left.set_ylabel(f"{'xyz'[plane[1]]} [mm]")
     right.set_ylim(bottom=1e-3)  # at the start everybody is where the ideal is
     right.set_xlabel("time [s]")
     right.set_ylabel("distance of the tool from the friction-free one [mm]")
