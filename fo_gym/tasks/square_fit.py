@@ -27,6 +27,9 @@ SINGULAR = 0.08
 """Smallest singular value along a path, without dimension (robots.poses.scaled): a joint moves by at most 1 / SINGULAR
 radians while the tool moves by its longest lever."""
 
+SINGULAR_SHARE = 0.6
+"""The same as a share of that at home: the tool's stiffness acts on the joints with its square, so a third remains."""
+
 MARGIN, MARGIN_SHARE = 0.4, 0.1
 """What joints keep from the ends of their ranges [rad, or natural units of a slide], since the friction-free motion
 leaves the reference by up to 0.4 rad (iiwa); and the share of the range that is enough where it is small."""
@@ -61,9 +64,10 @@ def fitted_square(
     """The largest square from the tool's start that keeps away from singular poses and from the joints' limits.
 
     Tried are the quarters of the world's planes and SIZES of the largest side. Along the whole of it the smallest
-    singular value of the Jacobian, redundant joints held, is at least SINGULAR, every joint keeps MARGIN, and gravity
-    changes by GRAVITY_CHANGE at most; where no size has all that, the one with the least change. Of squares of one size
-    the first in which gravity changes least counts. Friction plays no part: without it the square is the same.
+    singular value of the Jacobian, redundant joints held, is at least SINGULAR, and SINGULAR_SHARE of that at home;
+    every joint keeps MARGIN; and gravity changes by GRAVITY_CHANGE at most. Where no size has all that, the one with
+    the least change counts; of squares of one size the first in which gravity changes least. Friction plays no part:
+    without it the square is the same.
 
     Args:
         robot: with a tool; its home is a corner of the square.
@@ -88,10 +92,11 @@ def fitted_square(
             f"{directions} of the {tool.rows} directions that the task controls, and the smallest singular value is "
             f"{smallest:.2g} where {SINGULAR:g} is asked for; choose another home, tool or other redundant joints"
         )
+    asked = max(SINGULAR, SINGULAR_SHARE * smallest)
     largest = min(LARGEST_SIDE, SIDE_SHARE * reach)
     found: list[tuple[float, float, tuple[Direction, Direction]]] = []
     for length in [side] if side is not None else [size * largest for size in SIZES]:
-        q, room = _room(tool, length * np.concatenate([_outline(*each) for each in planes]), poses, reach)
+        q, room = _room(tool, length * np.concatenate([_outline(*each) for each in planes]), poses, reach, asked)
         rooms = np.round(room.reshape(len(planes), -1).min(axis=1), _DIGITS)
         if rooms.max() >= 1.0:
             change = np.abs(tool.body.gravity(q) - poses.gravity(robot.home)) / robot.flexible.torque_limit
@@ -104,7 +109,7 @@ def fitted_square(
         return min(found, key=lambda each: each[0])[1:]
     raise ValueError(
         f"the tool draws no square of {length:.3g} m from this start pose: in the best plane it reaches "
-        f"{rooms.max():.2g} of what is asked for, a smallest singular value of {SINGULAR:g} and {MARGIN:g} rad to the "
+        f"{rooms.max():.2g} of what is asked for, a smallest singular value of {asked:.2g} and {MARGIN:g} rad to the "
         "limit of every joint; choose another home, tool or other redundant joints, or a smaller side"
     )
 
@@ -123,10 +128,11 @@ def _smallest(tool: ToolKinematics, jacobian: Array, units: Array, reach: float)
     return np.asarray(np.linalg.svd(jacobian, compute_uv=False)[:, -1])
 
 
-def _room(tool: ToolKinematics, offset: Array, poses: Poses, reach: float) -> tuple[Array, Array]:
+def _room(tool: ToolKinematics, offset: Array, poses: Poses, reach: float, least: float) -> tuple[Array, Array]:
     """Joint positions at every offset, (n, dof), and how much of what is asked for is there, (n,).
 
-    Above 1 it is enough; where an offset is out of reach, it is 0 and the joints are at home.
+    Asked for are `least` as the smallest singular value, and MARGIN: 1 is enough. Where an offset is out of reach it
+    is 0, and the joints are at home.
     """
     q, off = tool.follow(offset)
     reached = off < MAX_RESIDUAL
@@ -135,5 +141,5 @@ def _room(tool: ToolKinematics, offset: Array, poses: Poses, reach: float) -> tu
     low, high = joint_range(poses.model)
     asked = np.minimum(MARGIN * poses.units, MARGIN_SHARE * (high - low))
     margin = (np.minimum(q - low, high - q) / asked).min(axis=1)
-    room = np.minimum(_smallest(tool, tool.jacobian(pose), poses.units, reach) / SINGULAR, margin)
+    room = np.minimum(_smallest(tool, tool.jacobian(pose), poses.units, reach) / least, margin)
     return q, np.where(reached, room, 0.0)
