@@ -6,12 +6,15 @@ import inspect
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import fields, is_dataclass
+from pathlib import Path
 from typing import Any
 
 import gymnasium as gym
+import numpy as np
 import pytest
 
 import fo_gym
+from fo_gym.envs.tracking import TrackingEnv
 from fo_gym.tasks.reference import Reference
 
 _SECTION = re.compile(r"^(Args|Attributes):\n((?:(?: +.*)?\n)*)", re.MULTILINE)
@@ -76,6 +79,14 @@ def test_nothing_is_documented_that_is_not_there() -> None:
     assert extra == {"Compensator": ["learned"]}  # which one may have, and need not
 
 
+def test_the_reference_has_all_of_it() -> None:
+    """Each of them, and each environment, as `python docs/api.py` writes it."""
+    page = (Path(__file__).parents[1] / "docs" / "api.md").read_text(encoding="utf-8")
+    titles = set(re.findall(r"^#+ (.*)$", page, re.MULTILINE))
+    here = {where for name, thing in public() if name != "Reference" for where, *_ in offers(name, thing)}
+    assert {*fo_gym.ENVIRONMENTS, *here} - titles == set()
+
+
 @pytest.mark.parametrize("env_id", fo_gym.ENVIRONMENTS)
 def test_every_argument_of_an_environment_is_one_that_is_documented(env_id: str) -> None:
     """Those of Settings, and render_mode; nothing else is taken."""
@@ -87,3 +98,19 @@ def test_every_argument_of_an_environment_is_one_that_is_documented(env_id: str)
     assert all(name in str(refused.value) for name in settings)
     assert "`fo_gym.Settings`" in (type(env).__doc__ or "")
     assert "`render_mode`" in (type(env).__doc__ or "")
+
+
+def test_the_swing_of_tracking_is_the_one_that_is_told() -> None:
+    simulation: Any = gym.make("FJRTracking-v0").unwrapped.simulation  # type: ignore[attr-defined]
+    task, doc = simulation.task, " ".join((TrackingEnv.__doc__ or "").split())
+    path, push = task.reference, task.random_push
+    assert "A = 0.3 rad (0.24 rad at joint 4) and f from 0.15 Hz at joint 1 to 0.3 Hz at joint 7" in doc
+    np.testing.assert_allclose(path.amplitude, [0.3, 0.3, 0.3, 0.24, 0.3, 0.3, 0.3])
+    np.testing.assert_allclose(path.frequency[[0, -1]], [0.15, 0.3])
+    assert f"for {path.duration:g} s" in doc
+    assert f"0 to 1 in {path.swell:g} s" in doc
+    assert f"truncated after {task.duration:g} s" in doc
+    low, high = np.array(task.randomization.push) * push.torque[1]
+    start, hardware = task.randomization.push_time, task.push_time.start
+    assert f"{push.duration:g} s, of {low:g} to {high:g} N m either way at joint 2" in doc
+    assert "at {:g} to {:g} s (hardware: {:g} to {:g} s)".format(*start, *hardware) in doc
