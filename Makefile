@@ -61,10 +61,11 @@ publish: $(VENV)/.dev system  ## run leaderboard and reproduction, write leaderb
 	$(BIN)/fo-gym reproduce --out leaderboard
 	$(MAKE) publish-pages
 
-publish-pages: $(VENV)/.dev system  ## redraw the pictures and the tables of README and docs/ from what is published
+publish-pages: $(VENV)/.dev system  ## redraw the pictures, the tables and the reference of README and docs/
 	$(BIN)/python docs/pictures.py
 	$(BIN)/python docs/learning/draw.py
 	$(BIN)/python docs/tables.py
+	$(BIN)/python docs/api.py
 
 publish-bench: $(VENV)/.dev  ## measure the speed, write docs/bench/ and README's table of it
 	$(BIN)/fo-gym bench --out docs/bench

@@ -50,7 +50,7 @@ class Compensator(Protocol):
     feedback: str
 
     def reset(self, joints: JointInfo, num_envs: int) -> None:
-        """Start `num_envs` new episodes, with no memory of earlier ones."""
+        """Start `num_envs` new episodes of robots with these `joints`, with no memory of earlier ones."""
 
     def estimate(self, signals: Signals) -> Array:
         """The friction estimate tau_f_hat, (num_envs, dof), N or N m: tau_m = tau_c - tau_f_hat."""

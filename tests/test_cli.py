@@ -25,6 +25,7 @@ from fo_gym.cli import app, view
 from fo_gym.evaluation.competitors.entry import shipped_entries
 from fo_gym.evaluation.metrics import METRICS
 from fo_gym.evaluation.results.tables import Ranking
+from fo_gym.robots import shipped_robots
 from fo_gym.tasks.variants import VARIANTS
 
 pytestmark = pytest.mark.usefixtures("short_episodes")
@@ -135,6 +136,7 @@ def test_list_shows_everything() -> None:
     shown = {kind: [line[1].rstrip(":") for line in lines if line[0] == kind] for kind in {line[0] for line in lines}}
     assert shown == {
         "environment": list(fo_gym.ENVIRONMENTS),
+        "robot": list(shipped_robots()),
         "variant": list(VARIANTS),
         "compensator": fo_gym.list_compensators(),
         "metric": list(METRICS),

@@ -2,30 +2,58 @@
 
 from __future__ import annotations
 
-from fo_gym.console import say
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from fo_gym.console import Stop, say
+
+if TYPE_CHECKING:
+    from fo_gym.envs.registry import Environment
 
 __all__ = ["run_list"]
 
 
-def run_list() -> None:
-    """Show the environments, variants, compensators, metrics, entries and protocols there are.
+def run_list(
+    sources: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="SOURCE...", help="Files (*.py) or modules that register environments of your own."),
+    ] = None,
+) -> None:
+    """Show the environments, robots, variants, compensators, metrics, entries and protocols there are.
 
-    Example: fo-gym list
+    Examples:
+        fo-gym list
+
+        fo-gym list mine.py
     """
-    from fo_gym import ENVIRONMENTS, list_compensators
+    from fo_gym import list_compensators
+    from fo_gym.envs.registry import environment_of, import_source, known_environments
     from fo_gym.evaluation.competitors.entry import shipped_entries
     from fo_gym.evaluation.metrics import METRICS
     from fo_gym.evaluation.runs.protocol import shipped_protocols
+    from fo_gym.robots import shipped_robots
     from fo_gym.tasks.variants import VARIANTS
 
-    names = {"environment": ENVIRONMENTS, "variant": VARIANTS, "compensator": list_compensators()}
-    metrics = [
+    try:
+        for source in sources or ():
+            import_source(source, f"source {source!r}")
+    except ValueError as error:
+        raise Stop(str(error)) from error
+    lines = {"environment": [_environment(environment_of(name)) for name in known_environments()]}
+    lines |= {"robot": list(shipped_robots()), "variant": list(VARIANTS), "compensator": list_compensators()}
+    lines["metric"] = [
         f"{name} ({metric.unit_text}, {metric.better} is better): {metric.description}"
         for name, metric in METRICS.items()
     ]
     files = {"entry": shipped_entries(), "protocol": shipped_protocols()}
-    lines = names | {"metric": metrics}
     lines |= {kind: [f"{name}: {path}" for name, path in found.items()] for kind, found in files.items()}
     for kind, texts in lines.items():
         for text in texts:
             say(f"{kind:<12} {text}")
+
+
+def _environment(row: Environment) -> str:
+    """An environment with its tags, its robot, and where it is from."""
+    source = f", from {row.source}" if row.source else ""
+    return f"{row.id} ({', '.join(sorted(row.tags))}): on {getattr(row.robot, 'name', row.robot)}{source}"

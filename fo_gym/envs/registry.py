@@ -31,6 +31,7 @@ __all__ = [
     "Environment",
     "add",
     "environment_of",
+    "import_source",
     "import_sources",
     "known_environments",
     "sources",
@@ -124,16 +125,22 @@ def environment_of(name: str) -> Environment:
     return ENVIRONMENTS[env_id]
 
 
-def _import(name: str, where: str) -> None:
-    """Import what an environment's name says, as its user's code: what it raises is told under that name."""
+def import_source(where: str, what: str) -> None:
+    """Import the module or the file of a user, whose code may raise anything.
+
+    Args:
+        where: a module, or a file that ends with .py.
+        what: begins the message of an error.
+
+    Raises:
+        ValueError: there is no such file, or it raised something; the message says what.
+    """
     if where.endswith(".py") and not os.path.isfile(where):
-        raise ValueError(f"environment {shown(name)}: there is no file {where}; name one that exists")
+        raise ValueError(f"{what}: there is no file {where}; name one that exists")
     try:
         import_sources([where])
     except Exception as error:
-        raise ValueError(
-            f"environment {shown(name)}: importing {where} raised {type(error).__name__}: {error}"
-        ) from error
+        raise ValueError(f"{what}: importing {where} raised {type(error).__name__}: {error}") from error
 
 
 def sources() -> tuple[str, ...]:

@@ -57,8 +57,9 @@ class RegulationEnv(JointEnv):
 
     ## Arguments
 
-    Those of `fo_gym.Settings`, and `render_mode` ("human" or "rgb_array"). `reset` takes the options "target" and
-    "push".
+    Those of `fo_gym.Settings`, and `render_mode` ("human" or "rgb_array"). `robot` takes any arm, also one whose joints
+    slide; actions and observations then have its joints, limits and units, gains and push are fitted to it. `reset`
+    takes the options "target" and "push".
 
     ## Version history
 

@@ -59,7 +59,9 @@ class SquareEnv(JointEnv):
 
     ## Arguments
 
-    Those of `fo_gym.Settings`, and `render_mode` ("human" or "rgb_array"). `reset` takes the option "push".
+    Those of `fo_gym.Settings`, and `render_mode` ("human" or "rgb_array"). `robot` takes any arm with a tool and three
+    joints at least, six for the orientation; actions and observations then have its joints, limits and units, and side
+    and plane of the square are fitted to it. `reset` takes the option "push".
 
     ## Version history
 

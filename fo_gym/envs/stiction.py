@@ -50,8 +50,8 @@ class StictionEnv(JointEnv):
 
     ## Arguments
 
-    Those of `fo_gym.Settings`, and `render_mode` ("human" or "rgb_array"). `reset` takes the options "target" and
-    "push".
+    Those of `fo_gym.Settings`, and `render_mode` ("human" or "rgb_array"). `robot` takes any single slide. `reset`
+    takes the options "target" and "push".
 
     ## Version history
 

@@ -1,4 +1,4 @@
-"""FJRTracking-v0: an arm follows sinusoids of all its joints."""
+"""FJRTracking-v0: the 7-joint arm swings all its joints, each on a sinusoid of its own."""
 
 from __future__ import annotations
 
@@ -8,11 +8,15 @@ from fo_gym.tasks.tracking import tracking
 
 
 class TrackingEnv(JointEnv):
-    """A 7-joint MIRO-like arm holds its pose, steps by -5 degrees on every joint at 3 s, and is pushed at 13 s.
+    """A 7-joint MIRO-like arm swings about its home for 10 s, every joint on a sinusoid of its own, then holds.
+
+    q_d = home + s(t) A sin(2 pi f t + phase), with A = 0.3 rad (0.24 rad at joint 4) and f from 0.15 Hz at joint 1 to
+    0.3 Hz at joint 7; s(t) swells from 0 to 1 in 2 s, and dies away in the last 2 s. Phases are a golden angle apart:
+    joints seldom reverse together, and reversals are where friction shows.
 
     The task's controller is motor PD with gravity at the desired pose, tau_c = -K_p (theta_* - theta_d) -
-    K_d theta_*' + g(q_d), with theta_* the measured or the nominal motor (`feedback`). Joint 2 is under-damped
-    without friction, and what friction the estimate leaves decides where it comes to rest.
+    K_d theta_*' + g(q_d), with theta_* the measured or the nominal motor (`feedback`). It knows no desired velocity:
+    without friction, too, joints lag, by up to 0.09 rad (RMS). What a compensator is to give back is that motion.
 
     ## Action
 
@@ -51,14 +55,16 @@ class TrackingEnv(JointEnv):
 
     ## Start and end
 
-    At rest in the robot file's "home" (randomized: each joint within 0.02 rad of it). The push is a sin^2 pulse of
-    0.5 s with a peak of 10 N m at joint 2. The episode is truncated after 20 s, and terminated with
-    `info["termination"]` = "joint_limit" when a link leaves its joint's range, or "non_finite".
+    At rest in the robot file's "home" (randomized: each joint within 0.02 rad of it). Nothing pushes the nominal arm;
+    randomized episodes have a sin^2 pulse of 0.5 s, of 5 to 15 N m either way at joint 2, at 5 to 6 s (hardware: 3 to
+    8 s). The episode is truncated after 12 s, and terminated with `info["termination"]` = "joint_limit" when a link
+    leaves its joint's range, or "non_finite".
 
     ## Arguments
 
-    Those of `fo_gym.Settings`, and `render_mode` ("human" or "rgb_array"). `reset` takes the options "target" and
-    "push".
+    Those of `fo_gym.Settings`, and `render_mode` ("human" or "rgb_array"). `robot` takes any arm that can swing about
+    its home; actions and observations then have its joints, limits and units, and the swing is fitted to it. `reset`
+    takes the option "push".
 
     ## Version history
 

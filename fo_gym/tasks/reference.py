@@ -51,4 +51,10 @@ class Reference(Protocol):
         """Gains of its controller, by design or as the robot brings them."""
 
     def control(self, robot: Robot, plant: FlexibleJointPlant, gains: Any) -> TaskControl:
-        """Reference and controller at work on a batch, with gains of the kind that `designed_gains` gives."""
+        """Reference and controller at work on a batch.
+
+        Args:
+            robot: to which it is fitted.
+            plant: the batch.
+            gains: of the kind that `designed_gains` gives.
+        """

@@ -5,11 +5,11 @@ A file per trial, DIR/ENV/VARIANT/KEY.trial: the SHA-256 of the rest in hexadeci
 
 A trial that is kept without traces is computed again where they are asked for; one with traces serves either way.
 
-The key covers the environment and the source of what registered it, the robot with its file, the variant, the seeds and
-arguments, the competitor's spec, gains, source and weights,
-the source of the suite that computes, the versions of the packages involved, and the kind of machine. It covers neither
-protocol nor names: two protocols share what they have in common. Not kept are failed trials, which are tried again, and
-those of a worker on another kind of machine.
+The key covers the environment and the source of what registered it, the robot with its file, the variant, the seeds
+and arguments, the competitor's spec, gains, source and weights, the source of the suite that computes and of metrics of
+others, the versions of the packages involved, and the kind of machine. It covers neither protocol nor names: two
+protocols share what they have in common. Not kept are failed trials, which are tried again, and those of a worker on
+another kind of machine.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ from fo_gym.envs.registry import environment_of
 from fo_gym.evaluation.competitors.competitor import Competitor
 from fo_gym.evaluation.competitors.content import content_of_source, digest, suite
 from fo_gym.evaluation.episode.trace import Trace
+from fo_gym.evaluation.metrics import METRICS
 from fo_gym.evaluation.runs.episodes import EpisodeSet
 from fo_gym.evaluation.runs.processor import processor
 from fo_gym.evaluation.runs.provenance import versions
@@ -59,6 +60,7 @@ def key_of(episodes: EpisodeSet, competitor: Competitor) -> str:
             "competitor": competitor.hash_on(episodes.env_id, episodes.variant),
             "packages": {**everything.versions, **competitor.content.versions, **versions()},
             "suite": everything.files,
+            "metrics": {source: content_of_source(source).files for source in METRICS.sources},
             "processor": processor(),
         }
     )
