@@ -44,12 +44,21 @@ def test_the_compensator_of_the_readme_is_scored(tmp_path: Path, monkeypatch: py
 
 def test_the_environments_of_the_readme_run() -> None:
     names: dict[str, object] = {}
-    exec(BLOCKS[1], names)
+    (block,) = [block for block in BLOCKS if "gym.make_vec" in block]
+    exec(block, names)
     rows, grid, envs = names["rows"], names["grid"], names["envs"]
     assert len(rows) == 5  # type: ignore[arg-type]
     assert grid[["L", "Lp"]].to_numpy().tolist() == [[L, Lp] for L in (50, 100, 200) for Lp in (20, 30)]  # type: ignore[index]
     assert isinstance(envs, gym.vector.VectorEnv)
     assert envs.num_envs == 256
+
+
+def test_the_robot_and_the_task_of_the_readme() -> None:
+    """In a process of its own: it registers an environment."""
+    (block,) = [block for block in BLOCKS if "fo_gym.register" in block]
+    robot, score = run("-c", f"{block}\nprint(rows['robot'][0], rows['frr'][0])").split()
+    assert robot == "two_links"
+    assert float(score) > 0.8
 
 
 def test_the_readme_names_every_argument_of_an_environment() -> None:
@@ -62,8 +71,10 @@ def test_every_file_that_the_pages_name_exists() -> None:
         "README.md",
         "CONTRIBUTING.md",
         "docs/learning.md",
+        "docs/api.md",
         "docs/protocol.md",
         "docs/processors.md",
+        "docs/robots.md",
         "envs_assets/README.md",
         "docs/security.md",
     ):
