@@ -101,11 +101,16 @@ def test_the_rules_are_those_of_the_code() -> None:
             f"{design.LIMIT_SHARE:g} of the strongest",
         ],
         "B": [f"/ {design.ACCELERATION:g} rad/s^2", *(f"{each:g} " for each in design.INERTIA_RATIO)],
-        "K_j": [f"({design.MOTOR_MODE:g} rad/s)^2 B", f"{design.SAG:g} rad", f"above {design.SPRING_MODE:g} rad/s"],
+        "K_j": [
+            *(f"({each:g} rad/s)^2 B" for each in design.MOTOR_MODE),
+            f"{design.SAG:g} rad",
+            f"above {design.SPRING_MODE:g} rad/s",
+        ],
         "D_j": [f"ratio of {design.SPRING_DAMPING:g}"],
         "f_c": [
             f"by {design.PLACEHOLDER:g} rad/s^2",
-            f"{design.FRICTION_SHARE:g} of the torque limit",
+            f"at most {design.FRICTION_MOST:g} of the torque limit",
+            f"{design.FRICTION_SHARE:g} of that limit",
             "{:g} to {:g} rad/s^2".format(*design.FRICTION_DECELERATION),
         ],
         "f_s": [f"{design.STICTION:g} f_c"],
@@ -123,7 +128,11 @@ def test_the_rules_are_those_of_the_code() -> None:
             f"{each.bandwidth:g} rad/s ({'damping ' * (each is gains.POSITION)}{each.damping:g})"
             for each in (gains.POSITION, gains.ORIENTATION, gains.ELBOW)
         ],
-        "`FJRSquare-v0`": [f"{1e2 * square_fit.LARGEST_SIDE:g} cm", f"{square_fit.MARGIN:g} rad"],
+        "`FJRSquare-v0`": [
+            f"{1e2 * square_fit.LARGEST_SIDE:g} cm",
+            f"{square_fit.MARGIN:g} rad",
+            f"above {square_fit.SINGULAR:g} and above {square_fit.SINGULAR_SHARE:g}",
+        ],
         "`FJRTracking-v0`": [
             f"{joint_fit.AMPLITUDE:g} rad",
             "{:g} to {:g} Hz".format(*joint_fit.FREQUENCIES),

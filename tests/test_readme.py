@@ -53,6 +53,7 @@ def test_the_environments_of_the_readme_run() -> None:
     assert envs.num_envs == 256
 
 
+@pytest.mark.slow
 def test_the_robot_and_the_task_of_the_readme() -> None:
     """In a process of its own: it registers an environment."""
     (block,) = [block for block in BLOCKS if "fo_gym.register" in block]
@@ -62,7 +63,7 @@ def test_the_robot_and_the_task_of_the_readme() -> None:
 
 
 def test_the_readme_names_every_argument_of_an_environment() -> None:
-    (listed,) = re.findall(r"Arguments of every\s+environment: (.*?); they are", README, re.DOTALL)
+    (listed,) = re.findall(r"Arguments of every\s+environment: (.*?);\s+they are", README, re.DOTALL)
     assert re.findall(r"`(\w+)`", listed) == [*(each.name for each in fields(fo_gym.Settings)), "render_mode"]
 
 

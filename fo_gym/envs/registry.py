@@ -114,7 +114,7 @@ def environment_of(name: str) -> Environment:
     spec = spec_of(text("environment", name))
     env_id = spec.attribute or name
     if spec.attribute:
-        _import(name, spec.where)
+        import_source(spec.where, f"environment {shown(name)}")
     elif env_id not in ENVIRONMENTS:
         _import_plug_ins()
     if env_id not in ENVIRONMENTS:
