@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import pkgutil
 from dataclasses import replace
+from importlib.metadata import EntryPoint
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ import pytest
 
 from fo_gym.evaluation import metrics
 from fo_gym.evaluation.episode.record import Episode, Motion, Push
-from fo_gym.evaluation.metrics import METRICS, registry, score
+from fo_gym.evaluation.metrics import GROUP, METRICS, registry, score
 
 DT = 1e-3
 TIME = np.arange(20_001) * DT
@@ -291,3 +292,11 @@ def test_a_tolerance_is_wider_where_sensors_quantise() -> None:
         assert tolerance.holds(math.nan, math.nan, variant)
         assert not tolerance.holds(math.nan, 0.0, variant)
         assert not tolerance.holds(0.0, math.nan, variant)
+
+
+def test_a_module_of_metrics_that_cannot_be_had_is_named(monkeypatch):
+    """Nothing of it is left out in silence: whoever asks for the metrics is told what to mend."""
+    entry = EntryPoint("theirs", "no_such_module_of_theirs", GROUP)
+    monkeypatch.setattr("fo_gym.evaluation.metrics.entry_points", lambda *, group: [entry])
+    with pytest.raises(ValueError, match="the metrics of no_such_module_of_theirs cannot be loaded: ModuleNotFound"):
+        list(type(METRICS)())
