@@ -144,6 +144,19 @@ def test_list_shows_everything() -> None:
     } | ({"entry": list(shipped_entries())} if shipped_entries() else {})
 
 
+def test_list_says_which_source_cannot_be_had(tmp_path: Path) -> None:
+    broken = tmp_path / "broken.py"
+    broken.write_text("raise RuntimeError('not today')\n", encoding="utf-8")
+    for source, told in (
+        (str(broken), "raised RuntimeError: not today"),
+        ("nothing.py", "there is no file nothing.py"),
+    ):
+        result = run("list", source)
+        assert (result.code, result.out) == (2, "")
+        assert result.err.startswith(f"error: source {source!r}: ")
+        assert told in " ".join(result.err.split())
+
+
 COMMANDS = {
     "list": "fo-gym list",
     "evaluate": "fo-gym evaluate mine.py:Mine",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -27,6 +28,16 @@ def run_list(
 
         fo-gym list mine.py
     """
+    try:
+        for kind, texts in _found(sources or ()).items():
+            for text in texts:
+                say(f"{kind:<12} {text}")
+    except ValueError as error:
+        raise Stop(str(error)) from error
+
+
+def _found(sources: Sequence[str]) -> dict[str, list[str]]:
+    """Lines of text by kind. Raises ValueError where a source, or a module of a plug-in, cannot be imported."""
     from fo_gym import list_compensators
     from fo_gym.envs.registry import environment_of, import_source, known_environments
     from fo_gym.evaluation.competitors.entry import shipped_entries
@@ -35,22 +46,21 @@ def run_list(
     from fo_gym.robots import shipped_robots
     from fo_gym.tasks.variants import VARIANTS
 
-    try:
-        for source in sources or ():
-            import_source(source, f"source {source!r}")
-    except ValueError as error:
-        raise Stop(str(error)) from error
-    lines = {"environment": [_environment(environment_of(name)) for name in known_environments()]}
-    lines |= {"robot": list(shipped_robots()), "variant": list(VARIANTS), "compensator": list_compensators()}
-    lines["metric"] = [
+    for source in sources:
+        import_source(source, f"source {source!r}")
+    metrics = [
         f"{name} ({metric.unit_text}, {metric.better} is better): {metric.description}"
         for name, metric in METRICS.items()
     ]
-    files = {"entry": shipped_entries(), "protocol": shipped_protocols()}
-    lines |= {kind: [f"{name}: {path}" for name, path in found.items()] for kind, found in files.items()}
-    for kind, texts in lines.items():
-        for text in texts:
-            say(f"{kind:<12} {text}")
+    return {
+        "environment": [_environment(environment_of(name)) for name in known_environments()],
+        "robot": list(shipped_robots()),
+        "variant": list(VARIANTS),
+        "compensator": list_compensators(),
+        "metric": metrics,
+        "entry": [f"{name}: {path}" for name, path in shipped_entries().items()],
+        "protocol": [f"{name}: {path}" for name, path in shipped_protocols().items()],
+    }
 
 
 def _environment(row: Environment) -> str:
