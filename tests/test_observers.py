@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import gymnasium as gym
 import numpy as np
@@ -123,8 +123,8 @@ def test_search_space_names_gains_of_the_constructor(make):
 
 
 @pytest.mark.parametrize(("env_id", "dof"), [("FJRStiction-v0", 1), ("FJRSquare-v0", 7)])
-def test_the_shipped_robots_are_identified_and_others_are_not(env_id, dof, tmp_path):
-    """By their nominal friction, whatever the episode's; a robot of one's own with as many joints has none."""
+def test_every_robot_is_identified_by_its_own_friction_or_not_at_all(env_id, dof, tmp_path):
+    """By its nominal friction, whatever the episode's; an arm of one's own by its own."""
     env = gym.make(env_id, friction=LuGre(1e4, 1.0, 1.0, 2.0, 3.0, 0.02)).unwrapped
     env.reset(seed=0)
     for name, value in vars(IDENTIFIED[dof]).items():
@@ -132,7 +132,12 @@ def test_the_shipped_robots_are_identified_and_others_are_not(env_id, dof, tmp_p
     robot = env.simulation.robot
     own = tmp_path / "own.xml"
     own.write_bytes(robot.link_side.file.read_bytes())
-    assert gym.make("FJRRegulation-v0", robot=str(own)).unwrapped.joint_info.identified is None
+    if dof > 1:
+        theirs = gym.make("FJRRegulation-v0", robot=str(own)).unwrapped
+        np.testing.assert_array_equal(theirs.joint_info.identified.f_c, theirs.simulation.robot.friction.f_c)
+        assert (theirs.joint_info.identified.f_c != IDENTIFIED[dof].f_c).any()
+    unknown = replace(robot, identified=None)
+    assert gym.make(env_id, robot=unknown).unwrapped.joint_info.identified is None
 
 
 def test_parameters_may_be_off_by_factors():

@@ -101,13 +101,16 @@ def note_the_rest(
     """
     notes.taken("masses", f"{whole.nbody - 1} bodies, {float(whole.body_mass.sum()):.4g} kg")
     if np.any(facts.armature > 0.0):
-        kind = notes.dropped if "torque_limit" in known else notes.taken
+        kind = notes.dropped if "motor_inertia" in known else notes.taken
         kind(
             "armature", f"[kg m^2 | kg] {_positive(facts, facts.armature)}: the motors' inertia B, no part of the links"
         )
     if np.any(facts.frictionloss > 0.0):
         kind = notes.dropped if "f_c" in known else notes.taken
-        kind("frictionloss", f"[N m | N] {_positive(facts, facts.frictionloss)}: dry friction of the motors")
+        kind(
+            "frictionloss",
+            f"[N m | N] {_positive(facts, facts.frictionloss)}: dry friction of the motors, but for placeholders",
+        )
     if np.any(facts.torque_limit > 0.0):
         kind = notes.dropped if "torque_limit" in known else notes.taken
         kind("torque limits", f"[N m | N] {_positive(facts, facts.torque_limit)}")

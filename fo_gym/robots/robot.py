@@ -151,6 +151,8 @@ class Robot:
     ) -> Robot:
         """Make a robot of an MJCF or URDF file; what is not given is taken from it, or designed. See `report`.
 
+        Its friction counts as identified: compensators that build on a model of it have the nominal one.
+
         Args:
             path: the file.
             joints: names of the flexible joints, in the file's order; None for all that turn or slide, but those that
@@ -171,7 +173,7 @@ class Robot:
         instance("friction", friction, LuGre, none="friction by design")
         known = {**({} if flexible is None else vars(flexible)), **({} if friction is None else vars(friction))}
         made = made_from_file(path, joints=joints, tool=tool, home=home, known=known, sources={}, redundant=redundant)
-        return cls(**made, hardware=hardware)
+        return cls(**made, hardware=hardware, identified=made["friction"])
 
     @classmethod
     def from_toml(cls, path: str | PathLike[str]) -> Robot:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from any_arm import CLASSICAL, TASKS, check_interface, scores
 
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.robots import Robot, robot_of
@@ -84,6 +85,19 @@ def test_an_arm_works_by_its_file_alone(package: str, inside: str, dof: int) -> 
     )
     assert robot.link_side.scene.nq == dof
     driven(robot)
+
+
+@pytest.mark.parametrize(("package", "inside", "dof"), ARMS, ids=[f"{arm[0]}-{Path(arm[1]).parts[-2]}" for arm in ARMS])
+@pytest.mark.parametrize("env_id", TASKS)
+def test_it_is_an_environment_in_which_all_classical_rows_run(package: str, inside: str, dof: int, env_id: str) -> None:
+    """With what is designed for it alone: the paper's best observer rejects most of the friction, and nobody harms."""
+    del dof
+    path = located(package, inside)
+    check_interface(path, env_id)
+    table = scores(path, env_id, CLASSICAL)
+    assert table["status"].eq("ok").all(), table["error"]
+    assert table["frr"]["pid-high"] > 0.8
+    assert table["frr"].drop("none").min() > 0.0, table["frr"]
 
 
 def files() -> Iterator[Path]:
