@@ -132,6 +132,9 @@ class HardwareModel:
 
     def look(self) -> None:
         """Sample the sensors, once per tick: every look takes new noise."""
+        if not self._effects:  # nobody who might write into the truth: it needs no copy
+            self.readings = Readings(self.plant.theta, self.plant.theta_dot, self.plant.tau_j)
+            return
         if not self._effects:
             self.readings = Readings(self.plant.theta, self.plant.theta_dot, self.plant.tau_j)
             return
