@@ -188,7 +188,7 @@ def test_the_installed_command(folder: Path) -> None:
     arguments = {"cwd": folder, "env": environment, "capture_output": True, "text": True}
     listed = subprocess.run([script, "list"], check=False, **arguments)
     assert (listed.returncode, listed.stderr) == (0, "")
-    assert "environment  FJRSquare-v0\n" in listed.stdout
+    assert "environment  FJRSquare-v0 (arm, square): on miro_like\n" in listed.stdout
     refused = subprocess.run([script, "evaluate", "nobody"], check=False, **arguments)
     assert (refused.returncode, refused.stdout) == (2, "")
     assert refused.stderr.startswith("error: unknown compensator 'nobody'; registered are none, ideal, ")

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 from single_link import CASES, link_of
 
-from fo_gym.certificate.cases import FRICTION, JOINT, link_case
+from fo_gym.certificate.cases import FRICTION, JOINT, LINK, link_case
 from fo_gym.certificate.oracle import Control, sampled
-from fo_gym.envs.stiction import STICTION
 from fo_gym.parameters import FRICTIONLESS
 from fo_gym.plant import FlexibleJointPlant
 
@@ -41,7 +40,7 @@ def run(plant: FlexibleJointPlant, control: Control, tau_ext: np.ndarray) -> np.
 def run_case(name: str, physics_dt: float | None = None, damping: float = 0.0) -> np.ndarray:
     """Two seconds of one case under 1 kHz control, (2001,)."""
     link = link_of(name, damping)
-    plant = FlexibleJointPlant(STICTION.robot, 1, joints=link.joint, friction=link.friction, physics_dt=physics_dt)
+    plant = FlexibleJointPlant(LINK, 1, joints=link.joint, friction=link.friction, physics_dt=physics_dt)
     return run(plant, Control(plant.control_dt, **CASES[name]), STILL)[:, 0]
 
 
@@ -69,7 +68,7 @@ def test_first_two_seconds_follow_the_solver(name: str) -> None:
 
 
 def test_no_friction_is_the_same_whichever_way_it_is_said() -> None:
-    plant = FlexibleJointPlant(STICTION.robot, 1, joints=JOINT, friction=FRICTIONLESS)
+    plant = FlexibleJointPlant(LINK, 1, joints=JOINT, friction=FRICTIONLESS)
     np.testing.assert_array_equal(run(plant, Control(1e-3), STILL)[:, 0], run_case("no-friction"))
 
 
@@ -84,7 +83,7 @@ def test_joint_damping_follows_the_solver(name: str, damping: float) -> None:
 
 def test_tau_f_is_the_mean_over_the_control_period() -> None:
     """The solver's mean friction follows from momentum: M dw + B dv = dt (tau_m + mean tau_f), both masses 1 kg."""
-    plant = FlexibleJointPlant(STICTION.robot, 1, joints=JOINT, friction=FRICTION)
+    plant = FlexibleJointPlant(LINK, 1, joints=JOINT, friction=FRICTION)
     ours, theirs = Control(1e-3, **CASES["pd-high"]), Control(1e-3, **CASES["pd-high"])
     states, measured, expected = solved("pd-high"), [], []
     for before, after in pairwise(states):
@@ -103,7 +102,7 @@ def test_random_joints_follow_the_solver() -> None:
     """Every parameter away from the paper's, link mass and a push included, in one batch: 1e-5 on moves of 1e-2."""
     generator = np.random.default_rng(20240611)
     cases = [link_case(generator, i) for i in range(DRAWS)]
-    plant = FlexibleJointPlant(STICTION.robot, DRAWS, joints=JOINT, friction=FRICTION)
+    plant = FlexibleJointPlant(LINK, DRAWS, joints=JOINT, friction=FRICTION)
     for i, case in enumerate(cases):
         link = case.equations
         plant.configure(np.array([i]), joints=link.joint, friction=link.friction, mass_scale=link.mass)

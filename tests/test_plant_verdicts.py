@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from single_link import CASES, TARGET, link_of
 
-from fo_gym.certificate.cases import FRICTION, JOINT
+from fo_gym.certificate.cases import FRICTION, JOINT, LINK
 from fo_gym.certificate.oracle import Control, continuous
-from fo_gym.envs.stiction import STICTION
 from fo_gym.parameters import FRICTIONLESS
 from fo_gym.plant import FlexibleJointPlant
 
@@ -21,7 +20,7 @@ LATE = TIMES >= 10.0
 @pytest.fixture(scope="module")
 def long_run() -> dict[str, np.ndarray]:
     """Motor angle less target at TIMES for every case, control at 10 kHz; the cases are one batch."""
-    plant = FlexibleJointPlant(STICTION.robot, len(CASES), joints=JOINT, friction=FRICTION, control_dt=1e-4)
+    plant = FlexibleJointPlant(LINK, len(CASES), joints=JOINT, friction=FRICTION, control_dt=1e-4)
     plant.configure(np.array([list(CASES).index("no-friction")]), joints=JOINT, friction=FRICTIONLESS)
     names = ("nominal", "L", "L_p", "L_i")
     gains = {name: np.array([[case.get(name, 0.0)] for case in CASES.values()], dtype=float) for name in names}

@@ -35,7 +35,9 @@ def test_a_crane_with_everything(tmp_path: Path) -> None:
     ]
     assert lines(robot, "dropped", "joint loose") == ["free: body puck is fixed where it stands"]
     assert lines(robot, "dropped", "joint socket") == ["ball: body ball is welded as it is drawn"]
-    assert lines(robot, "taken", "frictionloss") == ["[N m | N] rail 0.3: dry friction of the motors"]
+    assert lines(robot, "taken", "frictionloss") == [
+        "[N m | N] rail 0.3: dry friction of the motors, but for placeholders"
+    ]
     assert lines(robot, "taken", "damping") == ["rail 2.3, turn 0.2: dampers between the links"]
     for what in ("actuators", "tendons", "equalities", "excludes", "keys", "contacts"):
         assert lines(robot, "dropped", what), what

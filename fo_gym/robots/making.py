@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.checks import instance, real_array
+from fo_gym.hardware import Hardware
 from fo_gym.parameters import FlexibleJoint, LuGre, per_joint
 from fo_gym.robots.choosing import (
     check_home,
@@ -22,12 +23,14 @@ from fo_gym.robots.choosing import (
     resting_pose,
 )
 from fo_gym.robots.design import designed_friction, designed_joints
+from fo_gym.robots.design_hardware import designed_hardware
 from fo_gym.robots.editing import compile_whole
 from fo_gym.robots.exchange import NO_TOOL
 from fo_gym.robots.file import existing_file, read_spec
 from fo_gym.robots.home import found_home, poor_home, redundant_joints
 from fo_gym.robots.inventory import listed, note_sources, note_the_rest
 from fo_gym.robots.link_side import LinkSide
+from fo_gym.robots.poses import natural_units
 from fo_gym.robots.report import Notes, Report
 from fo_gym.robots.sanity import check_count, check_numbers_of
 from fo_gym.robots.survey import Survey, survey
@@ -58,11 +61,12 @@ def made_from_file(
     known: Mapping[str, Any],
     sources: Mapping[str, str],
     redundant: Any = None,
+    hardware: Hardware | None = None,
 ) -> dict[str, Any]:
     """The fields of a `Robot` that a file decides, or a design.
 
     Args:
-        path, joints, tool, home, redundant: as of `Robot.from_file`.
+        path, joints, tool, home, redundant, hardware: as of `Robot.from_file`.
         camera: of the link side.
         frozen: where joints are welded, or None for the pose of home.
         known: parameters of `FlexibleJoint` and `LuGre` that are not designed, by name.
@@ -89,6 +93,9 @@ def made_from_file(
     flexible, friction = designed(model, start, own, known)
     if redundant is None:
         redundant = redundant_joints(model, start, tool)
+    if hardware is None:
+        hardware = designed_hardware(flexible, friction, natural_units(model))
+        notes.assumed("hardware", "sensors, commands and joints as imperfect as the MIRO-like arm's, for its variant")
     return {
         "name": file.parent.name if file.stem in _GENERAL else file.stem,
         "link_side": link_side,
@@ -96,6 +103,7 @@ def made_from_file(
         "flexible": flexible,
         "friction": friction,
         "home": start,
+        "hardware": hardware,
         "redundant": tuple(redundant) if isinstance(redundant, list) else redundant,
         "sources": note_sources(own, flexible, friction, known, sources, notes),
         "report": Report(tuple(notes)),

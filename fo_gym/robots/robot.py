@@ -162,7 +162,7 @@ class Robot:
                 the middle of the ranges.
             flexible: motors and springs; None for those of `fo_gym.robots.design`.
             friction: of the motors; None likewise.
-            hardware: for the "hardware" variant of environments.
+            hardware: for the "hardware" variant of environments; None for that of `fo_gym.robots.design_hardware`.
             redundant: joints whose angles a task-space controller holds; None to choose them.
 
         Raises:
@@ -171,9 +171,17 @@ class Robot:
         """
         instance("flexible", flexible, FlexibleJoint, none="joints by design")
         instance("friction", friction, LuGre, none="friction by design")
+        instance("hardware", hardware, Hardware, none="hardware by design")
         known = {**({} if flexible is None else vars(flexible)), **({} if friction is None else vars(friction))}
-        made = made_from_file(path, joints=joints, tool=tool, home=home, known=known, sources={}, redundant=redundant)
-        return cls(**made, hardware=hardware, identified=made["friction"])
+        chosen: dict[str, Any] = {
+            "joints": joints,
+            "tool": tool,
+            "home": home,
+            "redundant": redundant,
+            "hardware": hardware,
+        }
+        made = made_from_file(path, **chosen, known=known, sources={})
+        return cls(**made, identified=made["friction"])
 
     @classmethod
     def from_toml(cls, path: str | PathLike[str]) -> Robot:
@@ -184,10 +192,10 @@ class Robot:
             ValueError: there is something in it that a robot has not, or that it does not take.
         """
         said = read_robot(Path(path))
-        keys = ("joints", "tool", "camera", "home", "frozen", "known", "sources", "redundant")
+        keys = ("joints", "tool", "camera", "home", "frozen", "known", "sources", "redundant", "hardware")
         made = made_from_file(said["file"], **{key: said[key] for key in keys})
         made["sources"] = {**said["sources"], **made["sources"]}
-        parts = ("identified", "pd_gains", "impedance_gains", "hardware")
+        parts = ("identified", "pd_gains", "impedance_gains")
         return cls(**{**made, "name": said["name"], **{part: said[part] for part in parts}})
 
     def to_toml(self, path: str | PathLike[str]) -> None:
