@@ -173,14 +173,8 @@ class Robot:
         instance("friction", friction, LuGre, none="friction by design")
         instance("hardware", hardware, Hardware, none="hardware by design")
         known = {**({} if flexible is None else vars(flexible)), **({} if friction is None else vars(friction))}
-        chosen: dict[str, Any] = {
-            "joints": joints,
-            "tool": tool,
-            "home": home,
-            "redundant": redundant,
-            "hardware": hardware,
-        }
-        made = made_from_file(path, **chosen, known=known, sources={})
+        chosen: dict[str, Any] = {"joints": joints, "tool": tool, "home": home, "redundant": redundant}
+        made = made_from_file(path, **chosen, known=known, sources={}, hardware=hardware)
         return cls(**made, identified=made["friction"])
 
     @classmethod
