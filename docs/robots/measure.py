@@ -90,7 +90,7 @@ def main(folder: Path, names: list[str]) -> None:
     for name in names or ARMS:
         for task in TASKS:
             rows[name, task] = row_of(file_of(name, folder), task, problems)
-            print(name, task, {key: round(value, 2) for key, value in rows[name, task].items()}, file=sys.stderr)
+            print(f"measured {name} in {task}", file=sys.stderr)
     table = pd.DataFrame.from_dict(rows, orient="index").round(2)
     print(table.to_string())
     print("\n".join(problems))
