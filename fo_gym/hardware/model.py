@@ -135,9 +135,6 @@ class HardwareModel:
         if not self._effects:  # nobody who might write into the truth: it needs no copy
             self.readings = Readings(self.plant.theta, self.plant.theta_dot, self.plant.tau_j)
             return
-        if not self._effects:
-            self.readings = Readings(self.plant.theta, self.plant.theta_dot, self.plant.tau_j)
-            return
         readings = self._now().readings
         for effect, episodes in self._asked["measure"]:
             readings = effect.measure(readings, episodes)
