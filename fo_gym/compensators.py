@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import hashlib
 import importlib
 import importlib.util
 import inspect
 import math
-import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.checks import shown, text
+from fo_gym.modules import import_file
 from fo_gym.parameters import JointInfo
 from fo_gym.signals import Signals
 from fo_gym.specs import BUILT_IN, check_spec, plug_in, spec_of
@@ -74,22 +73,6 @@ class Ideal(NoCompensation):
     """`ideal`: no compensation on joints without friction; a reference, not a competitor."""
 
 
-def _module_from_file(path: Path) -> Any:
-    """Import a file, under a name of its own that a second import of the same file finds again."""
-    name = f"fo_gym_file_{hashlib.sha256(str(path.resolve()).encode()).hexdigest()[:16]}"
-    spec = importlib.util.spec_from_file_location(name, path)
-    if spec is None or spec.loader is None:
-        raise ValueError(f"{path} is not a Python file")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    try:
-        spec.loader.exec_module(module)
-    except BaseException:
-        del sys.modules[name]
-        raise
-    return module
-
-
 def _factory(given: str) -> Any:
     """What a text names: a class or a function that makes a compensator."""
     if (entry := plug_in(given)) is not None:
@@ -98,8 +81,9 @@ def _factory(given: str) -> Any:
         return {"none": NoCompensation, "ideal": Ideal}[given]
     check_spec(given)
     spec = spec_of(given)
+    module: Any
     if spec.kind == "file":
-        module = _module_from_file(Path(spec.where))
+        module = import_file(Path(spec.where))
     else:
         try:
             module = importlib.import_module(spec.where)

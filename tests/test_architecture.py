@@ -25,7 +25,8 @@ TREES = {module: ast.parse(path.read_text(encoding="utf-8")) for module, path in
 # know each other.
 FLOW = (
     ("envs_assets", "fo_gym.checks", "fo_gym.extras", "fo_gym.instructions", "fo_gym.text", "fo_gym.toml"),
-    ("fo_gym.generators", "fo_gym.micro_steps", "fo_gym.parameters", "fo_gym.signals", "fo_gym.specs"),
+    ("fo_gym.generators", "fo_gym.micro_steps", "fo_gym.modules", "fo_gym.parameters"),
+    ("fo_gym.signals", "fo_gym.specs"),
     ("fo_gym.hardware",),
     ("fo_gym.robots",),
     ("fo_gym.plant",),

@@ -11,6 +11,7 @@ from typing import Any
 
 from fo_gym.checks import shown, text
 from fo_gym.envs.registry import ENVIRONMENTS, Environment, add
+from fo_gym.modules import is_of_file
 from fo_gym.robots import RobotLike, robot_of
 from fo_gym.tasks.task import TaskLike, made_for
 
@@ -49,6 +50,6 @@ def register(env_id: str, robot: RobotLike, task: TaskLike, *, tags: Iterable[st
 def _source(caller: dict[str, Any]) -> str:
     """The module, or where it cannot be imported by its name the file, that these globals are of; "" of a console."""
     name, file = caller.get("__name__", ""), caller.get("__file__")
-    if name and name != "__main__" and not name.startswith("fo_gym_environments_") and find_spec(name):
+    if name and name != "__main__" and not is_of_file(name) and find_spec(name):
         return str(name)
     return str(Path(file).resolve()) if file else ""

@@ -6,9 +6,7 @@ their id alone, where an installed package names such a module under the entry p
 
 from __future__ import annotations
 
-import hashlib
 import importlib
-import importlib.util
 import os
 import sys
 from dataclasses import dataclass
@@ -20,6 +18,7 @@ from typing import Any
 import gymnasium as gym
 
 from fo_gym.checks import shown, text
+from fo_gym.modules import import_file, module_name
 from fo_gym.specs import spec_of
 
 GROUP = "fo_gym.environments"
@@ -155,15 +154,5 @@ def import_sources(names: tuple[str, ...] | list[str]) -> None:
             importlib.import_module(name)
             continue
         path = Path(name).resolve()
-        module_name = f"fo_gym_environments_{hashlib.sha256(str(path).encode()).hexdigest()[:16]}"
-        if module_name in sys.modules or str(path) == getattr(sys.modules["__main__"], "__file__", None):
-            continue
-        spec = importlib.util.spec_from_file_location(module_name, path)
-        assert spec is not None
-        assert spec.loader is not None
-        module = sys.modules[module_name] = importlib.util.module_from_spec(spec)
-        try:
-            spec.loader.exec_module(module)
-        except BaseException:
-            del sys.modules[module_name]
-            raise
+        if module_name(path) not in sys.modules and str(path) != getattr(sys.modules["__main__"], "__file__", None):
+            import_file(path)
