@@ -44,6 +44,16 @@ class LinkSide:
         return len(self.joints)
 
     @property
+    def stamp(self) -> tuple[int, int]:
+        """What changes with the file's content, for who keeps something of a link side.
+
+        Raises:
+            FileNotFoundError: there is no such file.
+        """
+        state = existing_file("robot file", self.file).stat()
+        return state.st_mtime_ns, state.st_size
+
+    @property
     def model(self) -> mujoco.MjModel:
         """The links alone, compiled: `joints` in their order, the tool as a site, no geoms, nothing that constrains.
 
@@ -53,23 +63,17 @@ class LinkSide:
             FileNotFoundError: there is no such file.
             ValueError: the file cannot be read, or has not these joints or this tool.
         """
-        return copy.copy(_compiled(self, _stamp(self.file), False)[1])
+        return copy.copy(_compiled(self, self.stamp, False)[1])
 
     @property
     def scene(self) -> mujoco.MjModel:
         """As `model`, with what there is to see: geoms, meshes where they are found, cameras and lights. A copy."""
-        return copy.copy(_compiled(self, _stamp(self.file), True)[1])
+        return copy.copy(_compiled(self, self.stamp, True)[1])
 
     @property
     def scene_spec(self) -> mujoco.MjSpec:
         """What `scene` was compiled from, to be built upon. A copy."""
-        return _compiled(self, _stamp(self.file), True)[0].copy()
-
-
-def _stamp(file: Path) -> tuple[int, int]:
-    """What changes with the file's content."""
-    state = existing_file("robot file", file).stat()
-    return state.st_mtime_ns, state.st_size
+        return _compiled(self, self.stamp, True)[0].copy()
 
 
 @lru_cache(maxsize=16)

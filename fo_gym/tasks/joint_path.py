@@ -108,7 +108,7 @@ class JointPath:
 
 
 @lru_cache(maxsize=8)
-def _gravity(link_side: LinkSide, poses: bytes) -> Array:
+def _gravity(link_side: LinkSide, _stamp: tuple[int, int], poses: bytes) -> Array:
     """g(q) at the rows of an array (n, dof), N or N m."""
     q = np.frombuffer(poses).reshape(-1, link_side.dof)
     body = RigidBody(link_side, min(_CHUNK, len(q)))
@@ -129,7 +129,8 @@ class JointPathControl:
         offset, self._velocity = path.at(np.arange(ticks, dtype=np.float64) * plant.control_dt)
         self._q_d = robot.home + offset
         self._law = MotorPD(gains, robot.dof)
-        self._statics = PathStatics(plant, self._q_d, _gravity(robot.link_side, self._q_d.tobytes()))
+        links = robot.link_side
+        self._statics = PathStatics(plant, self._q_d, _gravity(links, links.stamp, self._q_d.tobytes()))
         self.theta_d = np.zeros((plant.num_envs, robot.dof))
         self.reference = np.zeros((plant.num_envs, 0))
 

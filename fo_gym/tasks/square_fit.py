@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.robots import Robot
+from fo_gym.robots import LinkSide, Robot
 from fo_gym.robots.poses import Poses, joint_range, scaled
 from fo_gym.tasks.kinematics import MAX_RESIDUAL, ToolKinematics
 
@@ -45,7 +46,7 @@ _PER_SIDE = 8
 _DIGITS = 3
 """Scores count to these digits, so that the last bits of a processor decide nothing; of equals the first is taken."""
 
-__all__ = ["fitted_square"]
+__all__ = ["Direction", "fitted_square"]
 
 
 def _planes() -> list[tuple[Direction, Direction]]:
@@ -80,15 +81,32 @@ def fitted_square(
     Raises:
         ValueError: no square fits; the message says what stands in the way.
     """
-    planes = _planes() if plane is None else [plane]
-    tool = ToolKinematics(robot.link_side, robot.home, robot.redundant, len(planes) * 4 * _PER_SIDE)
-    poses = Poses(tool.body.model, robot.tool)
+    links, limit = robot.link_side, np.asarray(robot.flexible.torque_limit)
+    home, limits = tuple(robot.home.tolist()), tuple(limit.tolist())
+    return _fitted(links, links.stamp, robot.name, home, robot.redundant, limits, side, plane)
+
+
+@lru_cache(maxsize=8)
+def _fitted(
+    links: LinkSide,
+    _stamp: tuple[int, int],
+    name: str,
+    at: tuple[float, ...],
+    redundant: tuple[str, ...],
+    limits: tuple[float, ...],
+    side: float | None,
+    plane: tuple[Direction, Direction] | None,
+) -> tuple[float, tuple[Direction, Direction]]:
+    """What `fitted_square` gives, kept: an environment that is made again asks again."""
+    planes, home = _planes() if plane is None else [plane], np.array(at)
+    tool = ToolKinematics(links, home, redundant, len(planes) * 4 * _PER_SIDE)
+    poses = Poses(tool.body.model, links.tool)
     reach = poses.reach()
     smallest = float(_smallest(tool, tool.jacobian(tool.start), poses.units, reach)[0])
     if smallest < SINGULAR:
-        directions = np.linalg.matrix_rank(scaled(poses.jacobian(robot.home)[: tool.rows], poses.units, reach), 1e-6)
+        directions = np.linalg.matrix_rank(scaled(poses.jacobian(home)[: tool.rows], poses.units, reach), 1e-6)
         raise ValueError(
-            f"the tool {robot.tool!r} of robot {robot.name!r} cannot draw a square: at home its joints move it in "
+            f"the tool {links.tool!r} of robot {name!r} cannot draw a square: at home its joints move it in "
             f"{directions} of the {tool.rows} directions that the task controls, and the smallest singular value is "
             f"{smallest:.2g} where {SINGULAR:g} is asked for; choose another home, tool or other redundant joints"
         )
@@ -99,7 +117,7 @@ def fitted_square(
         q, room = _room(tool, length * np.concatenate([_outline(*each) for each in planes]), poses, reach, asked)
         rooms = np.round(room.reshape(len(planes), -1).min(axis=1), _DIGITS)
         if rooms.max() >= 1.0:
-            change = np.abs(tool.body.gravity(q) - poses.gravity(robot.home)) / robot.flexible.torque_limit
+            change = np.abs(tool.body.gravity(q) - poses.gravity(home)) / np.array(limits)
             changes = np.where(rooms >= 1.0, change.reshape(len(planes), -1).max(axis=1), np.inf)
             best = int(np.flatnonzero(changes <= LEVEL * changes.min())[0])
             found.append((max(GRAVITY_CHANGE, float(changes[best])), length, planes[best]))

@@ -20,11 +20,10 @@ from fo_gym.robots.poses import tool_rows
 from fo_gym.tasks.control import PathStatics
 from fo_gym.tasks.kinematics import PathTable, path_table
 from fo_gym.tasks.scenario import Scenario
-from fo_gym.tasks.square_fit import fitted_square
+from fo_gym.tasks.square_fit import Direction, fitted_square
 
 Array = NDArray[np.float64]
 Ids = NDArray[np.intp]
-Direction = tuple[float, float, float]
 
 __all__ = ["ToolPath", "ToolPathControl"]
 
@@ -108,7 +107,12 @@ class ToolPath:
 
 @lru_cache(maxsize=8)
 def _cached_table(
-    link_side: LinkSide, path: ToolPath, home: tuple[float, ...], dt: float, redundant: tuple[str, ...]
+    link_side: LinkSide,
+    _stamp: tuple[int, int],
+    path: ToolPath,
+    home: tuple[float, ...],
+    dt: float,
+    redundant: tuple[str, ...],
 ) -> PathTable:
     return path_table(link_side, path, np.array(home), dt, redundant)
 
@@ -118,7 +122,8 @@ class ToolPathControl:
 
     def __init__(self, path: ToolPath, robot: Robot, plant: FlexibleJointPlant, gains: ImpedanceGains) -> None:
         home = tuple(robot.home.tolist())
-        self.table = _cached_table(robot.link_side, path, home, plant.control_dt, robot.redundant)
+        links = robot.link_side
+        self.table = _cached_table(links, links.stamp, path, home, plant.control_dt, robot.redundant)
         held = [robot.joints.index(name) for name in robot.redundant]
         self._law = Impedance(gains, plant.body, held, oriented=tool_rows(robot.dof) == 6)
         self._statics = PathStatics(plant, self.table.q_d, self.table.gravity)
