@@ -114,12 +114,9 @@ def test_springs_lie_on_lugres_curve_the_nearer_the_more_they_are(count: int) ->
 
 @pytest.mark.parametrize("name", LAWS)
 def test_a_step_of_any_length_is_bounded_and_passive(name: str) -> None:
-    """At up to 100 m/s times 0.1 s, to and fro: never more than stiction in the springs, and damping never negative.
-
-    A plastic bristle that crosses all of its elastic range in one step, 2 z_ba and more, may be taken too far in it.
-    """
+    """At up to 100 m/s times 0.1 s, to and fro: never more than stiction in the springs, and damping never negative."""
     law: Any = LAWS[name]
-    generator, bound = np.random.default_rng(2), 2.9 if name == "elasto-plastic" else 1.5 * (1.0 + 1e-9)
+    generator, bound = np.random.default_rng(2), 1.5 * (1.0 + 1e-9)
     z, memory = np.zeros(law.states), np.zeros(max(1, law.memory))
     springs = len(z) if len(z) == 1 else len(z) // 2
     stiffness = 1e5 * np.array(getattr(law, "kappa", [1.0]))
