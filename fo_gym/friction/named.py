@@ -12,7 +12,7 @@ from fo_gym.friction.elasto_plastic import ElastoPlastic
 from fo_gym.friction.law import FrictionLaw
 from fo_gym.friction.lugre import LuGre
 from fo_gym.friction.maxwell_slip import MaxwellSlip
-from fo_gym.modules import import_file, is_of_file
+from fo_gym.modules import file_module, is_of_file
 
 LAWS: dict[str, type[FrictionLaw]] = {kind.__name__: kind for kind in (LuGre, ElastoPlastic, MaxwellSlip, Dahl)}
 """The project's own."""
@@ -32,7 +32,7 @@ def law_class(name: object) -> type[FrictionLaw]:
     if not where or not called:
         raise ValueError(f"law is {shown(name)}; known are {', '.join(LAWS)}, or give file.py:Class or module:Class")
     try:
-        kind = getattr(import_file(Path(where)) if where.endswith(".py") else import_module(where), called)
+        kind = getattr(file_module(Path(where)) if where.endswith(".py") else import_module(where), called)
     except (ImportError, AttributeError, OSError) as error:
         raise ValueError(f"law {shown(name)} cannot be had: {error}") from error
     if not inspect.isclass(kind) or not issubclass(kind, FrictionLaw):
