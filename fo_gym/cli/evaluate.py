@@ -99,7 +99,7 @@ def run_evaluate(
         given, others = _competitors(compensators, gains_of(gains or ()), name, baselines)
         names = tuple(competitor.name for competitor in (*given, *others))
         protocol = Protocol("evaluate", "validation", seeds, (env,), (variant,), names, robots_of(robot))
-    except ValueError as error:
+    except (ValueError, OSError) as error:
         raise Stop(str(error)) from error
     if out is not None:
         _check_ranking(names)

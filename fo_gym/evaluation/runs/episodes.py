@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import pandas as pd
@@ -56,7 +57,7 @@ class EpisodeSet:
     env_kwargs: Mapping[str, Any]
     traced: bool = False
 
-    @property
+    @cached_property
     def robot(self) -> Robot:
         """The robot of these episodes: the one that is named, or the environment's own."""
         return robot_of(self.env_kwargs.get("robot") or environment_of(self.env_id).robot)
@@ -74,7 +75,7 @@ class EpisodeSet:
 def place_of(env_id: object, robot: object) -> str:
     """Where episodes are, for a reader: the environment, and the robot where it is not the environment's own."""
     known = ENVIRONMENTS.get(str(env_id))
-    return str(env_id) if robot in ("", known.robot if known is not None else "") else f"{env_id} on {robot}"
+    return str(env_id) if robot in ("", known.robot_name if known is not None else "") else f"{env_id} on {robot}"
 
 
 def label_of(env_id: object, robot: object, variant: object) -> str:

@@ -73,6 +73,7 @@ def evaluate(
     Raises:
         CompensatorError: the compensator raised, or returned what is not a finite (num_envs, dof) array.
         ValueError, TypeError: an argument is not allowed.
+        FileNotFoundError: there is no such robot file.
     """
     check_arguments(env_id, variant, env_kwargs)
     with _playing(compensator, env_id, variant) as (name, instance, content):
