@@ -50,7 +50,7 @@ __all__ = [
 def _actions(simulation: Simulation) -> Array:
     """One wrong friction estimate for each joint, (num_envs, dof), up to twice Coulomb's: some stick, some slide."""
     shape = (simulation.num_envs, simulation.dof)
-    return np.random.default_rng(0).uniform(-2.0, 2.0, shape) * simulation.robot.friction.f_c
+    return np.random.default_rng(0).uniform(-2.0, 2.0, shape) * simulation.robot.friction.level("coulomb")
 
 
 def _held(env: Any, ours: JointEnv | JointVectorEnv, action: Array) -> Subject:

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.friction import FrictionLaw, LuGre
 from fo_gym.micro_steps import DEFAULT_PHYSICS_DT, LIMITS, advise_steps
-from fo_gym.parameters import FlexibleJoint, LuGre, PDGains, Value, packed
+from fo_gym.parameters import FlexibleJoint, PDGains, Value, packed
 from fo_gym.robots.home import SINGULAR, conditioning, room
 from fo_gym.robots.link_side import LinkSide
 from fo_gym.robots.poses import Poses
@@ -88,7 +89,7 @@ class _Subject:
 
     names: tuple[str, ...]
     joints: FlexibleJoint
-    friction: LuGre
+    friction: FrictionLaw
     units: Array
     mobility: Array
     load: Array
@@ -107,7 +108,7 @@ class _Subject:
 def advice(
     link_side: LinkSide,
     joints: FlexibleJoint,
-    friction: LuGre,
+    friction: FrictionLaw,
     home: Array,
     gains: PDGains | None = None,
     control_dt: float = 1e-3,
@@ -144,8 +145,8 @@ def _steps(subject: _Subject, control_dt: float) -> Iterator[Condition]:
     limit = LIMITS["spring"][1] / DEFAULT_PHYSICS_DT
     why = "the default micro-step of 0.2 ms does not follow a faster one"
     yield subject.worst("fastest mode", mode, "<=", limit, "rad/s", why)
-    parameters = packed(joints, subject.friction, len(subject.names))
-    steps = advise_steps(subject.names, parameters[None], subject.mobility[None])
+    dof, law = len(subject.names), subject.friction
+    steps = advise_steps(subject.names, packed(joints, dof)[None], subject.mobility[None], law, law.packed(dof)[None])
     j = int(steps.physics_dt.argmin())
     why = f'else "auto" or a shorter physics_dt is needed: {steps.reasons[j]}'
     yield subject.worst("largest micro-step", 1e3 * steps.physics_dt, ">=", 1e3 * DEFAULT_PHYSICS_DT, "ms", why)
@@ -171,26 +172,29 @@ def _observers(control_dt: float) -> Iterator[Condition]:
 
 def _friction(subject: _Subject) -> Iterator[Condition]:
     friction = subject.friction
-    share = friction.f_s / subject.joints.torque_limit
+    stiction = friction.level("stiction", friction.level("coulomb"))
+    share = stiction / subject.joints.torque_limit
     yield subject.worst("stiction / torque limit", share, "<=", 0.5, "", "compensation itself meets the torque limit")
-    excess = friction.sigma_2 - friction.passivity_margin()
-    why = "LuGre may give out energy (sigma_2 above sigma_1 (f_s - f_c) / f_c suffices; measured joints fail it)"
-    yield subject.worst("sigma_2, passive friction", friction.sigma_2, ">=", excess, "N m s/rad | N s/m", why)
+    if isinstance(friction, LuGre):
+        excess = friction.sigma_2 - friction.passivity_margin()
+        why = "LuGre may give out energy (sigma_2 above sigma_1 (f_s - f_c) / f_c suffices; measured joints fail it)"
+        yield subject.worst("sigma_2, passive friction", friction.sigma_2, ">=", excess, "N m s/rad | N s/m", why)
 
 
 def _gains(subject: _Subject, gains: PDGains) -> Iterator[Condition]:
     joints, friction = subject.joints, subject.friction
+    viscous, coulomb = (friction.level(level) for level in ("viscous", "coulomb"))
     why = "PD with gravity at the desired pose has more than one rest (Tomei 1991)"
     yield subject.worst("K_p above |dg/dq|", gains.kp, ">=", subject.slope, "N m/rad | N/m", why)
     for name, (bandwidth, proportional, _) in OBSERVERS.items():
         # c_3 bounds the square of the viscous coefficient; the paper has B = 1, and units ask for c_3 / B.
-        least = np.square(friction.sigma_2) / (joints.motor_inertia * bandwidth)
+        least = np.square(viscous) / (joints.motor_inertia * bandwidth)
         why = "Theorem 1: damping must outweigh what viscous friction is known too late"
         yield subject.worst(f"K_d above c_3 / L, {name} gains", gains.kd, ">=", least, "N m s/rad | N s/m", why)
         held = gains.kp / (joints.motor_inertia * bandwidth * proportional)
         why = "the PD-type observer holds the motor to the nominal one no tighter than the controller does"
         yield subject.worst(f"K_p / (B L L_p), {name} gains", held, "<=", 1.0, "", why)
-    short = friction.f_c / (gains.kp * STEP * subject.units)
+    short = coulomb / (gains.kp * STEP * subject.units)
     why = "friction hardly shows: uncompensated, a step of 5 degrees stops nearer than that"
     yield subject.worst("f_c / K_p, as a share of a step", short, ">=", 0.05, "", why)
     asked = gains.kp * STEP * subject.units / np.maximum(joints.torque_limit - subject.load, 1e-300)

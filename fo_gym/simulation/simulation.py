@@ -223,15 +223,15 @@ class Simulation:
 
         theta, theta_dot, q, q_dot, z at the new tick; tau_m and tau_ext as applied and tau_f, their means over the past
         step; tau_f_hat, the estimate that the controller subtracted in it: the action, clipped to +-torque_limit, or
-        zeros where the action is tau_m.
+        zeros where the action is tau_m. Where a friction law has not one state a joint, z is (num_envs, dof, states).
         """
-        q, q_dot, theta, theta_dot, z = self.plant.snapshot()
+        q, q_dot, theta, theta_dot = self.plant.snapshot()[:4]
         return {
             "theta": theta,
             "theta_dot": theta_dot,
             "q": q,
             "q_dot": q_dot,
-            "z": z,
+            "z": self.plant.z.copy(),
             "tau_m": self.tau_m.copy(),
             "tau_ext": self.tau_ext.copy(),
             "tau_f": self.tau_f.copy(),

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.checks import NOT_NEGATIVE, POSITIVE, instance, number, real_array, values
+from fo_gym.friction import FrictionLaw
 from fo_gym.hardware import HardwareDraw
-from fo_gym.parameters import FlexibleJoint, LuGre, check_joints
+from fo_gym.parameters import FlexibleJoint, check_joints
 
 Array = NDArray[np.float64]
 
@@ -41,7 +42,7 @@ class Scenario:
     """One episode of one environment.
 
     Attributes:
-        friction: LuGre parameters.
+        friction: of the motors.
         joints: motors and springs.
         mass_scale: factor on the masses of the robot file.
         q_start: links at reset, (dof,), m or rad.
@@ -50,7 +51,7 @@ class Scenario:
         hardware: what was drawn of the hardware's effects, or None where there are none.
     """
 
-    friction: LuGre
+    friction: FrictionLaw
     joints: FlexibleJoint
     mass_scale: float
     q_start: Array
@@ -73,7 +74,7 @@ class Scenario:
 
         What was drawn of the hardware is checked by who knows the hardware.
         """
-        for part, kind in (("friction", LuGre), ("joints", FlexibleJoint)):
+        for part, kind in (("friction", FrictionLaw), ("joints", FlexibleJoint)):
             instance(f"{name}.{part}", getattr(self, part), kind)
             check_joints(getattr(self, part), dof)
         number(f"{name}.mass_scale", self.mass_scale, POSITIVE)
