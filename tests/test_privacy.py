@@ -13,7 +13,7 @@ from answering import DOF, STICTION, Answering, arrays, assert_same, episodes, s
 from fo_gym import LuGre, Signals
 from fo_gym.signals import SIGNALS
 
-PRIVATE = ("q", "q_dot", "z", "tau_f")
+PRIVATE = ("q", "q_dot", "z", "tau_f", "tau_dist")
 
 
 def contents(thing: Any, path: str) -> dict[str, Any]:

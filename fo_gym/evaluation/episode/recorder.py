@@ -15,7 +15,6 @@ from fo_gym.envs.registry import environment_of
 from fo_gym.envs.vector import JointVectorEnv
 from fo_gym.evaluation.episode.calls import checked_estimate, checked_reset
 from fo_gym.evaluation.episode.recording import Recording
-from fo_gym.parameters import FRICTIONLESS
 from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.signals import Signals
 
@@ -24,7 +23,7 @@ Array = NDArray[np.float64]
 _TICK_SIGNALS = ("theta_n", "theta_n_dot", "theta_d", "reference")
 _TICK_TRUTH = ("theta", "theta_dot", "q", "q_dot")
 _JOINT_TICKS = ("theta", "theta_dot", "q", "q_dot", "theta_n", "theta_n_dot", "theta_d")
-_PERIOD_TRUTH = ("tau_f_hat", "tau_m", "tau_f", "tau_ext")
+_PERIOD_TRUTH = ("tau_f_hat", "tau_m", "tau_f", "tau_dist", "tau_ext")
 
 __all__ = ["record"]
 
@@ -41,7 +40,7 @@ def record(
     """Run `compensator` on one batch, an episode per seed, each to its end.
 
     Args:
-        compensator: who is scored; `Ideal` runs on joints without friction.
+        compensator: who is scored; of `Ideal` nothing disturbs the motors.
         name: what to call it in errors.
         env_id: registered environment.
         variant: variant of it.
@@ -54,7 +53,7 @@ def record(
     """
     kwargs = {**env_kwargs, "feedback": compensator.feedback}
     if type(compensator) is Ideal:
-        kwargs["friction"] = FRICTIONLESS
+        kwargs["disturbed"] = False
     env_id = environment_of(env_id).id
     env = cast("JointVectorEnv", gym.make_vec(env_id, num_envs=len(seeds), variant=variant, **kwargs).unwrapped)
     env.reset(seed=list(seeds))

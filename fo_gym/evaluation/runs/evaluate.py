@@ -42,7 +42,12 @@ def check_arguments(env_id: Any, variant: Any, env_kwargs: Mapping[str, Any]) ->
     """
     text("env_id", env_id)
     choice("variant", variant, VARIANTS)
-    for fixed, why in (("feedback", "it is the compensator's"), ("action_mode", "estimates are scored")):
+    set_here = {
+        "feedback": "it is the compensator's",
+        "action_mode": "estimates are scored",
+        "disturbed": "the reference ideal is what runs undisturbed",
+    }
+    for fixed, why in set_here.items():
         if fixed in env_kwargs:
             raise ValueError(f"{fixed} cannot be chosen in an evaluation: {why}; leave it out")
     only("keyword argument", env_kwargs, [each.name for each in fields(Settings)])
