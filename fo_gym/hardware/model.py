@@ -123,6 +123,14 @@ class HardwareModel:
         """Measured joint torques, (num_envs, dof) [N | N m]."""
         return self.readings.tau_j
 
+    @property
+    def friction_change(self) -> FrictionChange:
+        """What the effects make of the motors' friction as the joints are at the last look, or at their start."""
+        change = FrictionChange()
+        for effect, episodes in self._asked["friction"]:
+            change = change.then(effect.friction(episodes))
+        return change
+
     def begin(self, ids: Ids, motor_inertia: Array, draws: Sequence[HardwareDraw | None]) -> Array:
         """Start the named environments at rest; returns their true tau_j, (n, dof).
 
@@ -163,10 +171,7 @@ class HardwareModel:
     def step(self, tau_m: Array, tau_ext: Array) -> None:
         """Advance one control period under the motors' torque and the push, with what gears and bearings add."""
         if self._asked["friction"]:
-            change = FrictionChange()
-            for effect, episodes in self._asked["friction"]:
-                change = change.then(effect.friction(episodes))
-            self.plant.vary_friction(*change)
+            self.plant.vary_friction(*self.friction_change)
         if self._asked["link_damping"]:
             self.plant.link_damping[:] = sum(effect.link_damping(each) for effect, each in self._asked["link_damping"])
         if self._asked["motor_torque"]:

@@ -48,8 +48,8 @@ class Settings:
             nominal feedback; "full" = a tachometer as well.
         sensor_model: what the sensors make of the truth; None means the hardware's.
         hardware: effects, in any variant; None means the task's in "hardware" and none elsewhere.
-        disturbed: False takes away all that disturbs the motors (friction, gear ripple, torques of one's own effects) and
-            leaves everything else, as the reference `ideal` has it.
+        disturbed: False takes away all that disturbs the motors (friction, gear ripple, torques of effects) and leaves
+            everything else, as the reference `ideal` has it.
         randomization: ranges from which "randomized" draws.
     """
 

@@ -228,10 +228,9 @@ class Simulation:
     def truth(self) -> dict[str, Array]:
         """Privileged truth for scoring and plotting, (num_envs, dof) each.
 
-        theta, theta_dot, q, q_dot, z at the new tick; tau_m and tau_ext as applied, the friction tau_f, and tau_dist, all
-        that disturbs the motors (tau_f, gear ripple, torques of other effects; no motor-side observer can tell one from
-        the other), their means over the past step; tau_f_hat, the estimate that the controller subtracted in it: the
-        action, clipped to +-torque_limit, or zeros where the action is tau_m.
+        theta, theta_dot, q, q_dot, z at the new tick; over the past step tau_m and tau_ext as applied, and the means of
+        tau_f, the friction, and tau_dist, all that disturbs the motors (tau_f, gear ripple, torques of effects); and
+        tau_f_hat, what the controller subtracted: the action, clipped to +-torque_limit, or zeros where it is tau_m.
         """
         q, q_dot, theta, theta_dot, z = self.plant.snapshot()
         return {

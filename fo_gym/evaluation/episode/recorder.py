@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, cast
 
 import gymnasium as gym
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.compensators import Compensator, Ideal
+from fo_gym.compensators import Compensator, Ideal, is_privileged
 from fo_gym.envs.registry import environment_of
 from fo_gym.envs.vector import JointVectorEnv
 from fo_gym.evaluation.episode.calls import checked_estimate, checked_reset
@@ -92,9 +93,11 @@ class _Recorder:
 
     def run(self, compensator: Compensator, name: str) -> Recording:
         """All episodes, tick by tick."""
+        privileged = is_privileged(compensator)
         for step in range(self.steps):
+            signals = replace(self.signals, truth=self.simulation.truth()) if privileged else self.signals
             start = time.perf_counter()
-            estimate = checked_estimate(compensator, name, self.signals, self.alive, step)
+            estimate = checked_estimate(compensator, name, signals, self.alive, step)
             self.seconds[step] = time.perf_counter() - start
             obs, _, terminated, _, info = self.env.step(estimate)
             self.signals = Signals.from_observation(obs, self.dof, self.env.available)
