@@ -19,7 +19,7 @@ DT = 1e-3
 TIME = np.arange(20_001) * DT
 PERIODS = TIME[:-1]
 OVER_TICKS = ("theta_dot", "q", "q_dot", "theta_n", "theta_n_dot", "theta_d")
-OVER_PERIODS = ("tau_f_hat", "tau_f", "tau_m", "tau_ext")
+OVER_PERIODS = ("tau_f_hat", "tau_f", "tau_dist", "tau_m", "tau_ext")
 JOINT_SIGNALS = (*OVER_TICKS, *OVER_PERIODS)
 ABSENT = dict.fromkeys(("tool_d", "step_time", "limit_cycle_window", "motion_window", "push"))
 FIXED = {"torque_limit": np.full(2, 10.0), "joint_unit": "rad", "termination": ""}
@@ -81,7 +81,7 @@ def rowing(share: float) -> dict[str, Any]:
     """To and fro against a friction of 2, of which the estimate takes a share."""
     direction = np.where(np.arange(len(PERIODS)) // 100 % 2, -1.0, 1.0)
     theta = np.concatenate([[0.0], np.cumsum(1e-3 * direction)])
-    return {"theta": theta, "tau_f": -2.0 * direction, "tau_f_hat": -2.0 * share * direction}
+    return {"theta": theta, "tau_dist": -2.0 * direction, "tau_f_hat": -2.0 * share * direction}
 
 
 FLIP = np.where(np.arange(len(PERIODS)) % 2, -1.0, 1.0)
@@ -144,18 +144,18 @@ CLOSED_FORM: list[tuple[str, float, dict[str, Any]]] = [
     ("contour_error_mm", 4.0, {"tool": columns(0.096, np.where(TIME < 5, 0.04, 0.06), 0), **PATH, "tool_d": CORNERS}),
     ("quadrant_glitch_mm", 2.0, {**GLITCH, "theta_d": columns(0.0, np.abs(TIME - 4.0))}),
     ("quadrant_glitch_mm", 2.0, {**GLITCH, "theta_d": np.maximum(np.abs(TIME - 3.5), 0.5)}),
-    ("estimate_rmse_ratio", 0.3, {"tau_f": columns(FLIP, 5.0), "tau_f_hat": columns(0.7 * FLIP, 4.0)}),
-    ("estimate_rmse_ratio", 1.0, {"tau_f": columns(FLIP, 0.0), "tau_f_hat": [0.0, 9.0]}),
-    ("estimate_lag_ms", 12.3, {"tau_f": columns(friction(), 0.1), "tau_f_hat": columns(0.5 * friction(0.0123), 9)}),
-    ("estimate_lag_ms", -300.0, {"tau_f": friction(), "tau_f_hat": friction(-0.3) + 1.0}),
+    ("estimate_rmse_ratio", 0.3, {"tau_dist": columns(FLIP, 5.0), "tau_f_hat": columns(0.7 * FLIP, 4.0)}),
+    ("estimate_rmse_ratio", 1.0, {"tau_dist": columns(FLIP, 0.0), "tau_f_hat": [0.0, 9.0]}),
+    ("estimate_lag_ms", 12.3, {"tau_dist": columns(friction(), 0.1), "tau_f_hat": columns(0.5 * friction(0.0123), 9)}),
+    ("estimate_lag_ms", -300.0, {"tau_dist": friction(), "tau_f_hat": friction(-0.3) + 1.0}),
     ("observer_work_in_stiction_j", -0.5 * 0.1 * 3.0, observer(-2.0, 3.0)),
     ("observer_work_in_stiction_j", 0.5 * 0.1 * 2.0, observer(-2.0, -3.0)),
     ("over_compensation_ratio", 0.0, rowing(0.0)),
     ("over_compensation_ratio", 0.0, rowing(1.0)),
     ("over_compensation_ratio", 0.5, rowing(1.5)),
     ("over_compensation_ratio", 0.0, rowing(-1.0)),
-    ("over_compensation_ratio", 0.3 / 1.2, {"theta": TIME, "tau_f": [-1.0, -0.2], "tau_f_hat": [-1.2, -0.3]}),
-    ("over_compensation_ratio", 0.5, {"theta": TIME, "tau_f": [-1.0, 3.0], "tau_f_hat": [-0.5, -0.5]}),
+    ("over_compensation_ratio", 0.3 / 1.2, {"theta": TIME, "tau_dist": [-1.0, -0.2], "tau_f_hat": [-1.2, -0.3]}),
+    ("over_compensation_ratio", 0.5, {"theta": TIME, "tau_dist": [-1.0, 3.0], "tau_f_hat": [-0.5, -0.5]}),
     ("passivity_index_j", -0.2, {"q_dot": columns(0.1 - 0.4 * (TIME - 1.0), 7.0), **PUSHED}),
     ("passivity_index_j", 0.0, {"q_dot": 0.3, "push": replace(PUSH, time=0.0), "tau_ext": 2.0}),
     ("control_effort_ratio", 0.5, {"tau_m": columns(FLIP, 3 * FLIP), "torque_limit": np.array([2.0, 10.0])}),
@@ -182,13 +182,13 @@ DOES_NOT_APPLY: list[tuple[str, dict[str, Any]]] = [
     ("tool_max_error_mm", {"tool": 1.0, **PATH, "motion_window": (21.0, 22.0)}),
     ("quadrant_glitch_mm", {"tool": 1.0, **PATH, "theta_d": TIME}),
     ("quadrant_glitch_mm", {"tool": 1.0, **PATH, "theta_d": np.minimum(TIME, 3.0)}),
-    ("estimate_lag_ms", {"tau_f": friction()}),
-    ("estimate_lag_ms", {"tau_f": friction(), "tau_f_hat": 3.0}),
-    ("estimate_lag_ms", {"tau_f": friction() + PERIODS, "tau_f_hat": friction() - PERIODS}),
-    ("estimate_lag_ms", {"tau_f": friction(), "tau_f_hat": friction(0.7)}),
-    ("estimate_lag_ms", {"tau_f": PERIODS, "tau_f_hat": PERIODS - 0.1}),
+    ("estimate_lag_ms", {"tau_dist": friction()}),
+    ("estimate_lag_ms", {"tau_dist": friction(), "tau_f_hat": 3.0}),
+    ("estimate_lag_ms", {"tau_dist": friction() + PERIODS, "tau_f_hat": friction() - PERIODS}),
+    ("estimate_lag_ms", {"tau_dist": friction(), "tau_f_hat": friction(0.7)}),
+    ("estimate_lag_ms", {"tau_dist": PERIODS, "tau_f_hat": PERIODS - 0.1}),
     ("observer_work_in_stiction_j", {"theta_dot": 2e-4, "tau_f_hat": 1.0}),
-    ("over_compensation_ratio", {"theta": TIME, "tau_f": 2.0, "tau_f_hat": -1.0}),
+    ("over_compensation_ratio", {"theta": TIME, "tau_dist": 2.0, "tau_f_hat": -1.0}),
     ("passivity_index_j", {"push": replace(PUSH, time=20.0)}),
 ]
 
@@ -224,7 +224,7 @@ def busy_episode(rng: np.random.Generator) -> Episode:
     fields: dict[str, Any] = {name: rng.normal(size=(len(TIME), 2)) for name in OVER_TICKS}
     fields |= {name: np.cumsum(rng.normal(size=(len(PERIODS), 2)), axis=0) for name in OVER_PERIODS}
     fields["theta_dot"] *= 1e-4
-    fields["tau_f_hat"] = fields["tau_f"] + rng.normal(size=(len(PERIODS), 2))
+    fields["tau_f_hat"] = fields["tau_dist"] + rng.normal(size=(len(PERIODS), 2))
     theta, ideal, none = rng.normal(size=(3, len(TIME), 2))
     tool, tool_d, tool_none = rng.normal(size=(3, len(TIME), 3))
     windows = {"step_time": 1.0, "motion_window": (0.0, 12.0), "push": PUSH, **WINDOW}

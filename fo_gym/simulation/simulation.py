@@ -77,7 +77,11 @@ class Simulation:
         self.nominal_motor = NominalMotor(num_envs, self.dof, settings.control_dt)
         self.available = TIERS[settings.sensors]
         self.hardware_model = HardwareModel(
-            self.plant, self.robot.hardware, self.torque_limit, tachometer=settings.sensors == "full"
+            self.plant,
+            self.robot.hardware,
+            self.torque_limit,
+            tachometer=settings.sensors == "full",
+            disturbed=settings.disturbed,
         )
         nominal = draw_scenario(replace(self.robot, hardware=None), self.task, "nominal", np.random.default_rng(0))
         self.scenarios: list[Scenario] = [nominal] * num_envs
@@ -100,6 +104,7 @@ class Simulation:
         self.tau_m = np.zeros(shape)
         self.tau_ext = np.zeros(shape)
         self.tau_f = np.zeros(shape)
+        self.tau_dist = np.zeros(shape)
         self.tau_f_hat = np.zeros(shape)
         self._pushes = Pushes(num_envs, self.dof)
 
@@ -138,6 +143,7 @@ class Simulation:
         self.tau_m[ids] = held
         self.tau_ext[ids] = 0.0
         self.tau_f[ids] = 0.0
+        self.tau_dist[ids] = 0.0
         self.tau_f_hat[ids] = 0.0
 
     def _configure(self, i: int, scenario: Scenario) -> None:
@@ -161,7 +167,7 @@ class Simulation:
         """
         previous = self.tau_m
         reasons: dict[int, str] = {}
-        sums = np.zeros((3, self.num_envs, self.dof))
+        sums = np.zeros((4, self.num_envs, self.dof))
         for _ in range(self.settings.decimation):
             tau_f_hat, tau_m, tau_ext = self._torques(action)
             before = self.plant.snapshot()
@@ -170,10 +176,11 @@ class Simulation:
             self.ticks += 1
             if not whereabouts(self.plant.motion, self._low, self._high, self._where):
                 self._find_ends(before, reasons)
-            sums += (tau_m, tau_ext, self.plant.tau_f)
+            friction = self.plant.tau_f
+            sums += (tau_m, tau_ext, friction, friction + self.hardware_model.motor_torque)
             self.hardware_model.look()
             self._update_control()
-        self.tau_m, self.tau_ext, self.tau_f = sums / self.settings.decimation
+        self.tau_m, self.tau_ext, self.tau_f, self.tau_dist = sums / self.settings.decimation
         self.tau_f_hat = tau_f_hat  # held over the step
         distance = self.control.distance(self.plant, self.task.reward_scale)
         reward = rewards(self.tau_m, previous, self.torque_limit, distance, ROUGHNESS_WEIGHT)
@@ -221,9 +228,10 @@ class Simulation:
     def truth(self) -> dict[str, Array]:
         """Privileged truth for scoring and plotting, (num_envs, dof) each.
 
-        theta, theta_dot, q, q_dot, z at the new tick; tau_m and tau_ext as applied and tau_f, their means over the past
-        step; tau_f_hat, the estimate that the controller subtracted in it: the action, clipped to +-torque_limit, or
-        zeros where the action is tau_m. Where a friction law has not one state a joint, z is (num_envs, dof, states).
+        theta, theta_dot, q, q_dot, z at the new tick; over the past step tau_m and tau_ext as applied, and the means of
+        tau_f, the friction, and tau_dist, all that disturbs the motors (tau_f, gear ripple, torques of effects); and
+        tau_f_hat, what the controller subtracted: the action, clipped to +-torque_limit, or zeros where it is tau_m.
+        Where a friction law has not one state a joint, z is (num_envs, dof, states).
         """
         q, q_dot, theta, theta_dot = self.plant.snapshot()[:4]
         return {
@@ -235,6 +243,7 @@ class Simulation:
             "tau_m": self.tau_m.copy(),
             "tau_ext": self.tau_ext.copy(),
             "tau_f": self.tau_f.copy(),
+            "tau_dist": self.tau_dist.copy(),
             "tau_f_hat": self.tau_f_hat.copy(),
         }
 
@@ -251,6 +260,7 @@ class Simulation:
             self.tau_m.copy(),
             self.tau_ext.copy(),
             self.tau_f.copy(),
+            self.tau_dist.copy(),
             self.tau_f_hat.copy(),
             self.hardware_model.get_state(),
         )
@@ -273,6 +283,7 @@ class Simulation:
         self.control.reset(everyone, state.scenarios)
         self.plant.set_state(state.plant)
         self.tau_f = np.array(state.tau_f, dtype=np.float64)
+        self.tau_dist = np.array(state.tau_dist, dtype=np.float64)
         self.tau_f_hat = np.array(state.tau_f_hat, dtype=np.float64)
         self.nominal_motor.reset(everyone, state.theta_n, state.theta_n_dot)
         self.ticks = np.array(state.ticks, dtype=np.int64)

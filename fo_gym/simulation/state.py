@@ -80,6 +80,7 @@ class SimulationState:
     tau_m: Array
     tau_ext: Array
     tau_f: Array
+    tau_dist: Array
     tau_f_hat: Array
     hardware: HardwareState
 
@@ -109,7 +110,7 @@ class SimulationState:
                 if (getattr(scenario, part) is not None) != wanted:
                     told = "missing" if wanted else "given"
                     raise ValueError(f"{name}.{part} is {told}; {_SAME}")
-        for field in ("theta_n", "theta_n_dot", "tau_m", "tau_ext", "tau_f", "tau_f_hat"):
+        for field in ("theta_n", "theta_n_dot", "tau_m", "tau_ext", "tau_f", "tau_dist", "tau_f_hat"):
             real_array(f"SimulationState.{field}", getattr(self, field), (num_envs, dof))
         whole_array("SimulationState.ticks", self.ticks, (num_envs,), 0, last_tick)
 

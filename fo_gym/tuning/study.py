@@ -102,7 +102,7 @@ class _Scorer:
     def __call__(self, gains: Mapping[str, float]) -> float:
         with self._case.competitor(gains).playing(self._case.env_id, self._case.variant) as compensator:
             recording = self._episodes.record(compensator, self._case.spec)
-        frr = rows(self._episodes, self._case.spec, recording, self._references)["frr"].to_numpy()
+        frr = rows(self._episodes, self._case.spec, recording, self._references, compensator)["frr"].to_numpy()
         return float(np.maximum(np.nan_to_num(frr, nan=WORST), WORST).mean())
 
 

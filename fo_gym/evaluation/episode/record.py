@@ -43,13 +43,15 @@ class Episode:
         dt: time between two ticks, s (control_dt x decimation).
         joint_unit: "m" or "rad".
         motion: theta and tool of the competitor.
-        ideal: the same episode without friction.
+        ideal: the same episode without anything that disturbs the motors.
         none: the same episode without compensation.
         theta_dot, q, q_dot, theta_n, theta_n_dot: over ticks, (ticks, dof).
         theta_d: desired motor position, (ticks, dof).
         tool_d: desired tool position, (ticks, 3), m, or None.
         tau_f_hat: estimate that was applied, (periods, dof), N or N m.
         tau_f: true friction torque, mean over each period, (periods, dof); it opposes motion.
+        tau_dist: true disturbance of the motors, mean over each period, (periods, dof): tau_f, and what gears and other
+            effects add. It is what an estimate is compared with, since no observer can tell one from the other.
         tau_m, tau_ext: motor torque and external torque as applied, means over the periods, (periods, dof).
         torque_limit: (dof,), N or N m.
         step_time: when the target last jumped, s; None where the reference moves smoothly.
@@ -74,6 +76,7 @@ class Episode:
     tool_d: Array | None
     tau_f_hat: Array
     tau_f: Array
+    tau_dist: Array
     tau_m: Array
     tau_ext: Array
     torque_limit: Array

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, cast
 
 import gymnasium as gym
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.compensators import Compensator, Ideal
+from fo_gym.compensators import Compensator, Ideal, is_privileged
 from fo_gym.envs.registry import environment_of
 from fo_gym.envs.vector import JointVectorEnv
 from fo_gym.evaluation.episode.calls import checked_estimate, checked_reset
 from fo_gym.evaluation.episode.recording import Recording
-from fo_gym.parameters import FRICTIONLESS
 from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.signals import Signals
 
@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 _TICK_SIGNALS = ("theta_n", "theta_n_dot", "theta_d", "reference")
 _TICK_TRUTH = ("theta", "theta_dot", "q", "q_dot")
 _JOINT_TICKS = ("theta", "theta_dot", "q", "q_dot", "theta_n", "theta_n_dot", "theta_d")
-_PERIOD_TRUTH = ("tau_f_hat", "tau_m", "tau_f", "tau_ext")
+_PERIOD_TRUTH = ("tau_f_hat", "tau_m", "tau_f", "tau_dist", "tau_ext")
 
 __all__ = ["record"]
 
@@ -41,7 +41,7 @@ def record(
     """Run `compensator` on one batch, an episode per seed, each to its end.
 
     Args:
-        compensator: who is scored; `Ideal` runs on joints without friction.
+        compensator: who is scored; of `Ideal` nothing disturbs the motors.
         name: what to call it in errors.
         env_id: registered environment.
         variant: variant of it.
@@ -54,7 +54,7 @@ def record(
     """
     kwargs = {**env_kwargs, "feedback": compensator.feedback}
     if type(compensator) is Ideal:
-        kwargs["friction"] = FRICTIONLESS
+        kwargs["disturbed"] = False
     env_id = environment_of(env_id).id
     env = cast("JointVectorEnv", gym.make_vec(env_id, num_envs=len(seeds), variant=variant, **kwargs).unwrapped)
     env.reset(seed=list(seeds))
@@ -93,9 +93,11 @@ class _Recorder:
 
     def run(self, compensator: Compensator, name: str) -> Recording:
         """All episodes, tick by tick."""
+        privileged = is_privileged(compensator)
         for step in range(self.steps):
+            signals = replace(self.signals, truth=self.simulation.truth()) if privileged else self.signals
             start = time.perf_counter()
-            estimate = checked_estimate(compensator, name, self.signals, self.alive, step)
+            estimate = checked_estimate(compensator, name, signals, self.alive, step)
             self.seconds[step] = time.perf_counter() - start
             obs, _, terminated, _, info = self.env.step(estimate)
             self.signals = Signals.from_observation(obs, self.dof, self.env.available)

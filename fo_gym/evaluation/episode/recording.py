@@ -41,8 +41,8 @@ class References:
     """The two runs that every score of a batch is relative to.
 
     Attributes:
-        ideal: without friction.
-        none: with friction, without compensation.
+        ideal: without anything that disturbs the motors.
+        none: with all of it, without compensation.
     """
 
     ideal: Motions
@@ -61,7 +61,7 @@ class Recording:
         dt: time between two ticks [s].
         ticks: arrays (ticks, num_envs, size) by name: theta, theta_dot, q, q_dot, and on a path tool, as they truly
             were; theta_n, theta_n_dot, theta_d, reference as the compensator saw them.
-        periods: arrays (periods, num_envs, dof) by name: tau_f_hat, tau_m, tau_f, tau_ext.
+        periods: arrays (periods, num_envs, dof) by name: tau_f_hat, tau_m, tau_f, tau_dist, tau_ext.
         scenarios: the drawn episodes.
         torque_limit: (dof,).
         terminations: "" or why each episode ended early.
@@ -117,6 +117,7 @@ class Recording:
             tool_d=ticks["reference"] if self.task.reference.of_tool else None,
             tau_f_hat=periods["tau_f_hat"],
             tau_f=periods["tau_f"],
+            tau_dist=periods["tau_dist"],
             tau_m=periods["tau_m"],
             tau_ext=periods["tau_ext"],
             torque_limit=self.torque_limit,

@@ -38,7 +38,8 @@ def markdown_page(protocol: Protocol, results: Results, table: pd.DataFrame, pic
         "FRR, the friction rejection ratio, is 1 where a compensator makes the joints move as if there were no "
         "friction, 0 where it is useless, below 0 where it does harm. Numbers are interquartile means over the "
         f"episodes ({count} seeds; the nominal variant is one episode, its interval its value), with 95 % bootstrap "
-        "intervals. `none` (no compensation) and `ideal` (no friction) are the two references. Verdict: paired "
+        "intervals. References, which are not ranked: `none` (no compensation), `ideal` (nothing disturbs), `bound` "
+        "(the true disturbance, late), and whoever else sees the truth. Verdict: paired "
         'comparison with the best, seed by seed; "tied" where its interval holds zero. '
         "Ranks: the interval of the rank. Group: what shares a letter is not told apart by these episodes.\n",
         "Rest error: over the last second, worst joint. Limit cycle: peak to peak in the task's window with slow creep "

@@ -9,13 +9,15 @@ from typing import Any
 
 import pandas as pd
 
-from fo_gym.compensators import Compensator, Ideal, NoCompensation
+from fo_gym.compensators import Compensator, Ideal, NoCompensation, has_learned, is_privileged
 from fo_gym.envs.registry import ENVIRONMENTS, environment_of
+from fo_gym.evaluation.competitors.competitor import REFERENCE
 from fo_gym.evaluation.episode.recorder import record
 from fo_gym.evaluation.episode.recording import Recording, References
 from fo_gym.evaluation.metrics import METRICS, score
 from fo_gym.evaluation.runs.provenance import provenance
 from fo_gym.robots import Robot, robot_of
+from fo_gym.specs import BUILT_IN
 
 OK, TERMINATED, FAILED = "ok", "terminated", "failed"
 
@@ -89,9 +91,14 @@ def references_of(episodes: EpisodeSet) -> tuple[Recording, Recording]:
 
 
 def rows(
-    episodes: EpisodeSet, name: str, recording: Recording, references: References, *, learned: bool = False
+    episodes: EpisodeSet, name: str, recording: Recording, references: References, compensator: Compensator
 ) -> pd.DataFrame:
-    """The scores of a recording, one row per episode; `origin`, `competitor_hash` and `protocol` are "" in it."""
+    """The scores of a recording of `compensator`, one row per episode.
+
+    `competitor_hash` and `protocol` are "" in it, and so is `origin` but of a reference.
+    """
+    reference = name in BUILT_IN or is_privileged(compensator)
+    told = provenance(origin=REFERENCE if reference else "", learned=has_learned(compensator))
     table = []
     for i, seed in enumerate(episodes.seeds):
         episode = recording.episode(i, references)
@@ -108,7 +115,7 @@ def rows(
                 "error": error,
                 **score(episode),
                 "joint_unit": episode.joint_unit,
-                **provenance(learned=learned),
+                **told,
             }
         )
     return pd.DataFrame(table)
