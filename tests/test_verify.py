@@ -112,7 +112,7 @@ def test_a_wrong_number_is_found() -> None:
     result = run("verify", "out", "--sample", "2")
     assert result.code == 2
     _, first, second, *_, last = result.out.splitlines()
-    assert first == f"mismatch: {SQUARE} miro_like nominal pd-low 1000000000"
+    assert first == f"mismatch: {SQUARE} miro_like nominal pd-low 0"
     assert re.fullmatch(r"    frr: 0\.999 published, 0\.\d+ now", second)
     assert (
         last == "2 rows of 2 runs: 1 same to the byte, 0 within tolerance, 0 chaotic, 0 of other versions, 1 mismatch"

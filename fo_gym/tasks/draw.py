@@ -25,9 +25,9 @@ __all__ = ["draw_scenario"]
 def draw_scenario(robot: Robot, task: Task, variant: str, rng: np.random.Generator) -> Scenario:
     """One episode of a task on a robot.
 
-    "nominal" draws nothing. The others draw friction, inertia, stiffness, start, target and push, in this order
-    and always all of them, so that an episode without friction has the same draws as one with it. What the hardware
-    draws comes last. Each draw asks for its random stream by the name of its range.
+    "nominal" draws nothing of its own. The others draw friction, inertia, stiffness, start, target and push, each from
+    the random stream of its range's name, and each effect of the hardware from that of its own: an episode without
+    friction, with another range, or with an effect more has the same other draws.
 
     Args:
         robot: the nominal robot, with the hardware's effects, if there are any.

@@ -58,6 +58,7 @@ class Episode:
         limit_cycle_window: (start, end) in s where a limit cycle is looked for, or None.
         motion_window: (start, end) in s where the reference moves along its path, or None.
         push: the external push of the episode, or None.
+        stored: energy in the joints when the push begins, J; NaN without one.
         termination: "" or why the episode ended early ("joint_limit" | "non_finite"). After the end
             every array holds its last finite value.
     """
@@ -84,6 +85,7 @@ class Episode:
     limit_cycle_window: tuple[float, float] | None
     motion_window: tuple[float, float] | None
     push: Push | None
+    stored: float
     termination: str
 
     @property

@@ -16,6 +16,7 @@ from fo_gym.envs.registry import environment_of
 from fo_gym.envs.vector import JointVectorEnv
 from fo_gym.evaluation.episode.calls import checked_estimate, checked_reset
 from fo_gym.evaluation.episode.recording import Recording
+from fo_gym.evaluation.episode.stored import stored_energy
 from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.signals import Signals
 
@@ -129,6 +130,7 @@ class _Recorder:
 
     def _recording(self) -> Recording:
         simulation = self.simulation
+        stored = stored_energy(simulation, self.ticks)
         if simulation.task.reference.of_tool:
             body = RigidBody(simulation.robot.link_side, self.steps + 1)
             tool = [body.tool_position(self.ticks["q"][:, i]) for i in range(self.env.num_envs)]
@@ -143,6 +145,7 @@ class _Recorder:
             ticks=self.ticks,
             periods=self.periods,
             scenarios=self.scenarios,
+            stored=stored,
             torque_limit=np.asarray(simulation.torque_limit) * levers,
             terminations=self.terminations,
             ended=self.ended,

@@ -63,6 +63,7 @@ class Recording:
             were; theta_n, theta_n_dot, theta_d, reference as the compensator saw them.
         periods: arrays (periods, num_envs, dof) by name: tau_f_hat, tau_m, tau_f, tau_dist, tau_ext.
         scenarios: the drawn episodes.
+        stored: energy in the joints when the push of each episode begins, see `stored_energy`, (num_envs,) [J].
         torque_limit: (dof,).
         terminations: "" or why each episode ended early.
         ended: tick at which each episode ended.
@@ -75,6 +76,7 @@ class Recording:
     ticks: Mapping[str, Array]
     periods: Mapping[str, Array]
     scenarios: Sequence[Scenario]
+    stored: Array
     torque_limit: Array
     terminations: Sequence[str]
     ended: NDArray[np.int64]
@@ -93,6 +95,7 @@ class Recording:
             ticks={name: array[:, rows] for name, array in self.ticks.items()},
             periods={name: array[:, rows] for name, array in self.periods.items()},
             scenarios=self.scenarios[rows],
+            stored=self.stored[rows],
             terminations=self.terminations[rows],
             ended=self.ended[rows],
             seconds=self.seconds * share,
@@ -125,5 +128,6 @@ class Recording:
             limit_cycle_window=self.task.limit_cycle_window,
             motion_window=self.task.reference.motion_window,
             push=self.scenarios[i].push,
+            stored=float(self.stored[i]),
             termination=self.terminations[i],
         )
