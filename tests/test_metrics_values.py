@@ -36,6 +36,7 @@ from metric_episodes import (
     rowing,
     stick_slip,
 )
+from metric_hands import HAND_CLOSED_FORM, HAND_DOES_NOT_APPLY
 
 from fo_gym.evaluation.metrics import METRICS, score
 
@@ -106,6 +107,7 @@ CLOSED_FORM: list[tuple[str, float, dict[str, Any]]] = [
     ("passivity_violation_ratio", 0.0, {"q_dot": 0.3, **PUSHED, "stored": 0.0}),
     ("control_effort_ratio", 0.5, {"tau_m": columns(FLIP, 3 * FLIP), "torque_limit": np.array([2.0, 10.0])}),
     ("torque_roughness_ratio", 0.6, {"tau_m": columns(9.0, 3 * FLIP)}),
+    *HAND_CLOSED_FORM,
 ]
 
 DOES_NOT_APPLY: list[tuple[str, dict[str, Any]]] = [
@@ -140,6 +142,7 @@ DOES_NOT_APPLY: list[tuple[str, dict[str, Any]]] = [
     ("passivity_violation_ratio", {"q_dot": -0.3, **PUSHED, "stored": 0.0, "motion_window": (0.0, 1.5)}),
     ("passivity_violation_ratio", {"q_dot": -0.3, **PUSHED, "stored": 0.0, "step_time": 1.5}),
     ("hunting_ratio", {"theta": stick_slip(4.0)}),
+    *HAND_DOES_NOT_APPLY,
 ]
 
 

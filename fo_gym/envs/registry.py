@@ -45,7 +45,8 @@ class Environment:
     Attributes:
         id: by which `gymnasium.make` finds it.
         entry_point: "module:Name", where NameEnv is the single and NameVectorEnv the batched environment.
-        tags: what it is, for whoever picks some of them: "link" | "arm" (takes any robot), "step" | "path" | "square",
+        tags: what it is, for whoever picks some of them: "link" | "arm" (takes any robot), "step" | "path" | "square" |
+            "hand",
             and "own" of one that `register` made.
         robot: its own robot: the name of a shipped one, or a Robot.
         task: what `register` was given; None of the project's own, whose class names it.
@@ -87,6 +88,7 @@ for _id, _name, _tags, _robot in (
     ("FJRRegulation-v0", "regulation:Regulation", {"arm", "step"}, "miro_like"),
     ("FJRSquare-v0", "square:Square", {"arm", "square"}, "miro_like"),
     ("FJRTracking-v0", "tracking:Tracking", {"arm", "path"}, "miro_like"),
+    ("FJRInteraction-v0", "interaction:Interaction", {"arm", "hand"}, "miro_like"),
 ):
     add(Environment(_id, f"fo_gym.envs.{_name}", frozenset(_tags), _robot))
 

@@ -17,6 +17,7 @@ from fo_gym.plant import FlexibleJointPlant
 from fo_gym.robots import RobotLike
 from fo_gym.robots.poses import joint_range
 from fo_gym.signals import SIGNALS, TIERS
+from fo_gym.simulation.hands import Hands
 from fo_gym.simulation.kernels import INSIDE, LOST, OUTSIDE, rewards, torques, whereabouts
 from fo_gym.simulation.pushes import Pushes
 from fo_gym.simulation.settings import Settings
@@ -56,6 +57,7 @@ class Simulation:
         available: names of the signals that the sensors provide.
         hardware_model: the plant with its hardware's effects: what is measured.
         limits: of what the options of a reset may ask for.
+        hands: at the tools, or None.
     """
 
     def __init__(self, robot: RobotLike | None, task: TaskLike | None, num_envs: int, settings: Settings) -> None:
@@ -107,6 +109,7 @@ class Simulation:
         self.tau_dist = np.zeros(shape)
         self.tau_f_hat = np.zeros(shape)
         self._pushes = Pushes(num_envs, self.dof)
+        self.hands = None if self.task.hand is None else Hands(self.plant, settings.decimation)
 
     @property
     def observation_size(self) -> int:
@@ -152,6 +155,8 @@ class Simulation:
             np.array([i]), joints=scenario.joints, friction=scenario.friction, mass_scale=scenario.mass_scale
         )
         self._pushes.set(i, scenario.push)
+        if self.hands is not None and scenario.hand is not None:
+            self.hands.set(i, scenario.hand)
 
     def _update_control(self) -> None:
         """The reference and the controller at the current ticks."""
@@ -168,6 +173,8 @@ class Simulation:
         previous = self.tau_m
         reasons: dict[int, str] = {}
         sums = np.zeros((4, self.num_envs, self.dof))
+        if self.hands is not None:
+            self.hands.force[:] = 0.0
         for _ in range(self.settings.decimation):
             tau_f_hat, tau_m, tau_ext = self._torques(action)
             before = self.plant.snapshot()
@@ -190,19 +197,14 @@ class Simulation:
         return reward, terminated, (self.ticks >= self.last_tick) & ~terminated, reasons
 
     def _torques(self, action: Array) -> tuple[Array, Array, Array]:
-        """The estimate that is compensated, and what motors and pushes apply over the coming control period."""
-        pushes, settings = self._pushes, self.settings
+        """The estimate that is compensated, and what motors, pushes and hands apply over the coming control period."""
+        dt, pushes = self.settings.control_dt, self._pushes
+        pulse = pushes.time, pushes.duration, pushes.torque
         tau_f_hat, tau_m, tau_ext = torques(
-            self.ticks,
-            settings.control_dt,
-            pushes.time,
-            pushes.duration,
-            pushes.torque,
-            self.tau_c,
-            action,
-            self.torque_limit,
-            self._compensates,
+            self.ticks, dt, *pulse, self.tau_c, action, self.torque_limit, self._compensates
         )
+        if self.hands is not None:
+            self.hands.act(self.ticks, tau_ext)
         return tau_f_hat, self.hardware_model.command(tau_m), tau_ext
 
     def _find_ends(self, before: Array, reasons: dict[int, str]) -> None:
@@ -231,10 +233,11 @@ class Simulation:
         theta, theta_dot, q, q_dot, z at the new tick; over the past step tau_m and tau_ext as applied, and the means of
         tau_f, the friction, and tau_dist, all that disturbs the motors (tau_f, gear ripple, torques of effects); and
         tau_f_hat, what the controller subtracted: the action, clipped to +-torque_limit, or zeros where it is tau_m.
-        Where a friction law has not one state a joint, z is (num_envs, dof, states).
+        Where a friction law has not one state a joint, z is (num_envs, dof, states). Where a hand
+        guides the tool, f_hand, (num_envs, 3), its mean force too.
         """
         q, q_dot, theta, theta_dot = self.plant.snapshot()[:4]
-        return {
+        truth = {
             "theta": theta,
             "theta_dot": theta_dot,
             "q": q,
@@ -246,6 +249,7 @@ class Simulation:
             "tau_dist": self.tau_dist.copy(),
             "tau_f_hat": self.tau_f_hat.copy(),
         }
+        return truth if self.hands is None else {**truth, "f_hand": self.hands.force.copy()}
 
     def get_state(self) -> SimulationState:
         """A copy of everything that the next step depends on, except the random generators."""
@@ -263,6 +267,7 @@ class Simulation:
             self.tau_dist.copy(),
             self.tau_f_hat.copy(),
             self.hardware_model.get_state(),
+            None if self.hands is None else self.hands.get_state(),
         )
 
     def set_state(self, state: SimulationState) -> None:
@@ -273,7 +278,7 @@ class Simulation:
                 nothing has changed then.
         """
         instance("state", state, SimulationState)
-        state.check(self._origin, self.limits, self.last_tick)
+        state.check(self._origin, self.limits, self.last_tick, hand=self.hands is not None)
         self.plant.check_state(state.plant)
         draws = {f"SimulationState.scenarios[{i}].hardware": each.hardware for i, each in enumerate(state.scenarios)}
         self.hardware_model.check_state(state.hardware, "SimulationState.hardware", draws)
@@ -290,6 +295,8 @@ class Simulation:
         self.tau_m = np.array(state.tau_m, dtype=np.float64)
         self.tau_ext = np.array(state.tau_ext, dtype=np.float64)
         self.hardware_model.set_state(state.hardware, *_drawn(state.scenarios))
+        if self.hands is not None and state.hands is not None:
+            self.hands.set_state(state.hands)
         self._update_control()
 
 

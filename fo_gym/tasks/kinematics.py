@@ -24,7 +24,9 @@ __all__ = ["PathTable", "ToolKinematics", "path_table", "path_ticks"]
 
 
 class TimedPath(Protocol):
-    """Where a tool is to go."""
+    """Where a tool is to go; paths that are alike have the same hash, since tables of them are kept."""
+
+    def __hash__(self) -> int: ...
 
     @property
     def duration(self) -> float:
