@@ -62,7 +62,7 @@ def ranking_figure(table: pd.DataFrame) -> Figure:
         _draw_ranking(axis, group.sort_values("frr", na_position="first", kind="stable"), limits)
         axis.set_title(label_of(*key), fontsize="medium")
     origins = [origin for origin in _COLORS if (table["origin"] == origin).any()]
-    _add_legend(figure, origins, ncols=2 * len(envs) if len(envs) < 2 else 4)
+    _add_legend(figure, origins, ncols=2 if len(envs) == 1 else 4)
     return figure
 
 

@@ -127,7 +127,7 @@ def rankings(episodes: pd.DataFrame, table: pd.DataFrame | None = None) -> Itera
 def _ranking(title: str, rows: pd.DataFrame, shown: list[tuple[str, str, float]]) -> Ranking:
     """The rows as a ranking, with the columns `shown` (column, heading, factor) beside frr and 1 - frr."""
     ordered = rows.sort_values("rank", kind="stable", na_position="last")
-    before = ["rank", "compensator", "FRR", "1 - FRR", "95 % interval", "ranks", "group"]
+    before = ["rank", "compensator", "FRR", "1-FRR", "95 % interval", "ranks", "group"]
     cells = [_cells(row, shown) for _, row in ordered.iterrows()]
     headings = [*before, *(heading for _, heading, _ in shown), "verdict"]
     return Ranking(title, headings, cells, _own(list(ordered["origin"])))
