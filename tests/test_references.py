@@ -71,7 +71,8 @@ def test_the_privileged_see_the_truth_of_every_tick():
 def test_they_know_the_friction_of_their_episodes_at_the_start(env_id):
     """As it was drawn, and as load and temperature have it there."""
     oracle = Oracle()
-    hardware = Hardware(load=hw.LoadFriction(0.1), temperature=hw.Temperature(start=(10.0, 20.0)))
+    temperature = hw.Temperature(start=(10.0, 20.0), dry=0.005, viscous=0.02)
+    hardware = Hardware(load=hw.LoadFriction(0.1), temperature=temperature)
     recording = episodes(env_id, (7, 8), hardware=hardware).record(oracle, "oracle")
     for i, scenario in enumerate(recording.scenarios):
         assert scenario.hardware is not None
