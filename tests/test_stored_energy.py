@@ -45,6 +45,15 @@ def test_a_single_link() -> None:
     assert wound[0] == pytest.approx(0.5 * 3000.0 * 0.002**2, rel=1e-6)
 
 
+def test_what_has_left_the_finite_numbers_has_no_energy() -> None:
+    simulation = simulation_of(STICTION, [0.005, 0.005])
+    ticks = at_rest(simulation, 11, theta=0.01, q=0.012)
+    ticks["theta"][:, 1] = np.inf
+    energy = stored_energy(simulation, ticks)
+    assert energy[0] == pytest.approx(0.5 * 3000.0 * 0.002**2, rel=1e-6)
+    assert not np.isfinite(energy[1])
+
+
 def test_under_nominal_feedback_the_larger_of_two_counts() -> None:
     simulation = simulation_of(STICTION, [0.005], feedback="nominal")
     ticks = at_rest(simulation, 11, theta=0.01, q=0.01, theta_n=0.01)

@@ -39,9 +39,10 @@ def stored_energy(simulation: Simulation, ticks: Mapping[str, Array]) -> Array:
         return np.full(simulation.num_envs, math.nan)
     at = {name: values[np.maximum(starts, 0), np.arange(simulation.num_envs)] for name, values in ticks.items()}
     simulation.control.update(np.maximum(starts, 0) * simulation.settings.decimation)
-    stored = _energy(simulation, at["q"], at["q_dot"], at["theta"], at["theta_dot"])
-    if simulation.settings.feedback == "nominal":
-        stored = np.maximum(stored, _energy(simulation, at["q"], at["q_dot"], at["theta_n"], at["theta_n_dot"]))
+    with np.errstate(over="ignore", invalid="ignore"):  # an episode may have ended before, anywhere
+        stored = _energy(simulation, at["q"], at["q_dot"], at["theta"], at["theta_dot"])
+        if simulation.settings.feedback == "nominal":
+            stored = np.maximum(stored, _energy(simulation, at["q"], at["q_dot"], at["theta_n"], at["theta_n_dot"]))
     return np.where(pushed, stored, math.nan)
 
 
@@ -65,8 +66,14 @@ def _energy(simulation: Simulation, q: Array, q_dot: Array, theta: Array, theta_
     controller = -_slope(lambda motor: control.torque(motor, still), theta)
     stiffness = np.block([[diagonal + gravity, -diagonal], [-diagonal, diagonal + controller]])
     kinetic = np.einsum("ni,nij,nj->n", q_dot, body.dense_inertia(q), q_dot) + np.sum(inertia * theta_dot**2, axis=1)
-    held = np.einsum("ni,ni->n", force, np.linalg.solve(stiffness, force[:, :, None])[:, :, 0])
-    return np.asarray(kinetic + np.maximum(held, 0.0)) / 2.0
+    return np.asarray(kinetic + [_held(*each) for each in zip(force, stiffness, strict=True)]) / 2.0
+
+
+def _held(force: Array, stiffness: Array) -> float:
+    """F' H^-1 F; directions without stiffness hold nothing, and what is not finite has no energy to speak of."""
+    if not np.isfinite(force).all() or not np.isfinite(stiffness).all():
+        return math.nan
+    return max(float(force @ np.linalg.pinv(stiffness, hermitian=True) @ force), 0.0)
 
 
 def _slope(function: Callable[[Array], Array], at: Array) -> Array:
