@@ -34,8 +34,9 @@ ENCODER_CUTOFF, TORQUE_CUTOFF = 2.0 * np.pi * 150.0, 2.0 * np.pi * 200.0
 BUS = 1e-3
 """Delay of commands [s]: one cycle of a bus at 1 kHz."""
 
-BEARINGS = 0.075
-"""Friction of the links' bearings as a share of the motor's: MIRO-like 0.3 of 4 N m."""
+BEARINGS, BEARINGS_WIDTH = 0.075, 0.01
+"""Friction of the links' bearings as a share of the motor's, MIRO-like 0.3 of 4-5.4 N m; the speed below which it falls
+to nothing [rad/s], MIRO-like."""
 
 RIPPLE, RIPPLES = 0.05, 200.0
 """Amplitude of the gear's ripple as a share of f_c, MIRO-like; ripples per turn of the link, of strain-wave gears."""
@@ -62,7 +63,7 @@ def designed_hardware(flexible: FlexibleJoint, friction: LuGre, units: Array) ->
         delay=CommandDelay(BUS),
         saturation=TorqueSaturation(),
         link_friction=LinkFriction(
-            coulomb=BEARINGS * f_c, viscous=BEARINGS * np.asarray(friction.sigma_2), width=friction.v_s
+            coulomb=BEARINGS * f_c, viscous=BEARINGS * np.asarray(friction.sigma_2), width=BEARINGS_WIDTH * units
         ),
         ripple=GearRipple(amplitude=RIPPLE * f_c, period=2.0 * np.pi / RIPPLES * units),
         load=LoadFriction(LOAD),
