@@ -28,7 +28,7 @@ def stiction():
 
 @pytest.fixture(scope="module")
 def regulation():
-    return runs_of(REGULATION_ID, "pd-low", "letien-low", "letien-high")
+    return runs_of(REGULATION_ID, "pd-low")
 
 
 @pytest.fixture(scope="module")
@@ -104,13 +104,6 @@ def test_pd_rests(regulation, window):
 
 
 @pytest.mark.slow
-@HOLDS
-@pytest.mark.parametrize("name", ["letien-low", "letien-high"])
-def test_letien_does_not_come_to_rest(regulation, window, name):
-    assert travel(regulation[name], *window, joint=JOINT_2) > 1e-3
-
-
-@pytest.mark.slow
 def test_where_pd_rests_is_chance(regulation):
     """Off the target by some milliradians (docs/arm.md), and on the other side after the push."""
     run = regulation["pd-low"]
@@ -129,7 +122,9 @@ def test_who_hunts_does_not_hang_on_the_micro_step(physics_dt):
     assert min(moves[name] for name in ("pid-low", "letien-low", "letien-high")) > 1e-3
     assert max(moves[name] for name in ("pd-low", "pd-high")) < 1e-5
     assert moves["pid-high"] < 1e-4
-    assert travel(runs["pid-low"], 8.0, 13.0, joint=JOINT_2) == pytest.approx(6.9e-3, rel=0.1)
+    before = {name: travel(run, 8.0, 13.0, joint=JOINT_2) for name, run in runs.items()}
+    assert before["pid-low"] == pytest.approx(6.9e-3, rel=0.1)
+    assert min(before["letien-low"], before["letien-high"]) > 2e-2
 
 
 @pytest.mark.slow
