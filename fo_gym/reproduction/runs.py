@@ -17,7 +17,7 @@ PAPER = ("pid-low", "pid-high", "pd-low", "pd-high", "letien-low", "letien-high"
 GAINS = {"low": {"L": 50.0, "Lp": 10.0, "Li": 25.0}, "high": {"L": 100.0, "Lp": 20.0, "Li": 100.0}}
 """The paper's gains [1/s, 1/s, 1/s^2]; the PD-type has no L_i, Le Tien's observer only L."""
 
-__all__ = ["GAINS", "PAPER", "REGULATION", "SQUARE", "STICTION", "long_hold", "panels", "regulation", "square"]
+__all__ = ["GAINS", "PAPER", "REGULATION", "SQUARE", "STICTION", "panels", "regulation", "square"]
 
 
 def _everybody(subject: Subject, env_id: str, **env_kwargs: Any) -> dict[str, Run]:
@@ -36,14 +36,8 @@ def panels(subject: Subject) -> dict[str, Run]:
 
 @lru_cache(maxsize=1)
 def regulation(subject: Subject) -> dict[str, Run]:
-    """The regulation experiment on the arm: step at 3 s, push at 13 s, control at 1 kHz."""
-    return _everybody(subject, REGULATION)
-
-
-@lru_cache(maxsize=1)
-def long_hold(subject: Subject) -> dict[str, Run]:
-    """The regulation experiment with a minute to come to rest."""
-    return _everybody(subject, REGULATION, duration=60.0)
+    """The regulation experiment on the arm, 20 s: step at 3 s, push at 13 s, control at 1 kHz."""
+    return _everybody(subject, REGULATION, duration=20.0)
 
 
 @lru_cache(maxsize=1)
