@@ -11,7 +11,19 @@ from fo_gym.reproduction.claims import lowpass
 from fo_gym.reproduction.claims import algebra
 from fo_gym.reproduction.claims import theorem2
 from fo_gym.reproduction.claims import passivity
+from fo_gym.reproduction.claims import model_based
 from fo_gym.reproduction.claims import experiments
 # isort: on
 
-__all__ = ["CLAIMS", "algebra", "experiments", "lowpass", "panels", "passivity", "rest", "stiction", "theorem2"]
+__all__ = [
+    "CLAIMS",
+    "algebra",
+    "experiments",
+    "lowpass",
+    "model_based",
+    "panels",
+    "passivity",
+    "rest",
+    "stiction",
+    "theorem2",
+]
