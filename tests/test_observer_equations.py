@@ -210,7 +210,7 @@ def test_what_lugre_adaptive_learns_comes_nearer_to_the_truth_all_the_time():
     levels, _ = learned(theta, true)
     distance = np.square(levels - true).sum(axis=1)
     assert np.diff(distance).max() < 1e-12
-    assert distance[-1] < 1e-6 * distance[0]
+    assert distance[-1] < 1e-4 * distance[0]
 
 
 def test_lugre_adaptive_learns_nothing_at_standstill_and_stays_within_its_bounds():

@@ -72,7 +72,8 @@ def _worst(subject: Subject) -> Finding:
 
 def _answers(subject: Subject, name: str, friction: LuGre) -> Array:
     """Estimates over a random motion, (ticks,), by a compensator that believes in this friction."""
-    info = JointInfo(1, *(np.array([[value]]) for value in (JOINT.motor_inertia, JOINT.stiffness, 1e9)), _DT, friction)
+    inertia, stiffness, limit = (np.array([[value]]) for value in (JOINT.motor_inertia, JOINT.stiffness, 1e9))
+    info = JointInfo(1, inertia, stiffness, limit, _DT, friction)
     compensator = subject.make(name)
     compensator.reset(info, 1)
     rows = np.random.default_rng(1907).normal(size=(200, 1, 9)) * float(FRICTION.v_s)
