@@ -104,6 +104,28 @@ def test_a_coarse_step_turns_the_low_pass() -> None:
     assert not CLAIMS["lowpass-letien-phase"].measure(COARSE).holds
 
 
+def other_model(name: str) -> fo_gym.Compensator:
+    """The LuGre observer with the other one's parameters: right where they should be wrong, and the reverse."""
+    others = {"lugre-nominal": "lugre-off", "lugre-off": "lugre-nominal"}
+    return fo_gym.make_compensator(others.get(name, name))
+
+
+@slow
+def test_the_claims_on_the_lugre_observer_turn_with_its_parameters() -> None:
+    names = ["lugre-best", "lugre-off-worst"]
+    assert [CLAIMS[name].measure(COARSE).holds for name in names] == [True, True]
+    exchanged = Subject(control_dt=1e-3, make=other_model, quick=True)
+    assert [CLAIMS[name].measure(exchanged).holds for name in names] == [False, False]
+
+
+def test_a_model_is_complex_and_a_model_free_observer_is_not() -> None:
+    """Six numbers; the count falls where somebody needs fewer, or where one of the six needs some."""
+    assert CLAIMS["lugre-complex"].measure(COARSE).number == 6.0
+    for name, stand_in in (("lugre-nominal", "feedforward"), ("pd-low", "feedforward")):
+        told = Subject(make=lambda each, a=name, b=stand_in: fo_gym.make_compensator(b if each == a else each))
+        assert CLAIMS["lugre-complex"].measure(told).number == 3.0
+
+
 def test_intervals() -> None:
     assert at_most(1.0, 1.0, "", "").holds
     assert not at_most(1.1, 1.0, "", "").holds

@@ -12,6 +12,7 @@ from fo_gym.reproduction.claims import lowpass
 from fo_gym.reproduction.claims import algebra
 from fo_gym.reproduction.claims import theorem2
 from fo_gym.reproduction.claims import passivity
+from fo_gym.reproduction.claims import model_based
 from fo_gym.reproduction.claims import regulation
 from fo_gym.reproduction.claims import square
 from fo_gym.reproduction.claims import tracking
@@ -22,6 +23,7 @@ __all__ = [
     "algebra",
     "arm_rest",
     "lowpass",
+    "model_based",
     "panels",
     "passivity",
     "regulation",
