@@ -19,10 +19,10 @@ from fo_gym.tasks.hand import Hand
 DT = 1e-3
 TIME = np.arange(20_001) * DT
 PERIODS = TIME[:-1]
-OVER_TICKS = ("theta_dot", "q", "q_dot", "theta_n", "theta_n_dot", "theta_d", "tau_held")
+OVER_TICKS = ("theta_dot", "q", "q_dot", "theta_n", "theta_n_dot", "theta_d")
 OVER_PERIODS = ("tau_f_hat", "tau_f", "tau_m", "tau_ext")
 JOINT_SIGNALS = (*OVER_TICKS, *OVER_PERIODS)
-ABSENT = dict.fromkeys(("tool_d", "step_time", "limit_cycle_window", "motion_window", "push", "hand"))
+ABSENT = dict.fromkeys(("tool_d", "step_time", "limit_cycle_window", "motion_window", "push", "hand", "damped"))
 FIXED = {"torque_limit": np.full(2, 10.0), "joint_unit": "rad", "termination": ""}
 
 
@@ -32,23 +32,23 @@ def over(length: int, size: int, value: Any) -> np.ndarray:
     return np.broadcast_to(value[:, None] if value.shape == (length,) else value, (length, size))
 
 
-def motion(theta: Any, tool: Any, f_hand: Any = None) -> Motion:
-    tool = None if tool is None else over(len(TIME), 3, tool)
-    return Motion(over(len(TIME), 2, theta), tool, None if f_hand is None else over(len(PERIODS), 3, f_hand))
+def motion(theta: Any, tool: Any, f_hand: Any = None, lost: Any = None) -> Motion:
+    return Motion(over(len(TIME), 2, theta), None if tool is None else over(len(TIME), 3, tool), f_hand, lost)
 
 
 def episode(*, theta: Any = 0.0, ideal: Any = 0.0, none: Any = 0.0, tool: Any = None, **changes: Any) -> Episode:
     """20 s of two joints at rest of which only the given parts differ; the tools of the references are at 0.
 
-    `pulls` are the forces of the hand: on the arm, on the ideal one, and on the one without compensation.
+    `pulls` are the forces of the hand, `losses` what friction takes: of the arm, the ideal one, and that without
+    compensation.
     """
     fields: dict[str, Any] = {**ABSENT, **FIXED, **dict.fromkeys(JOINT_SIGNALS, 0.0), **changes}
     fields |= {name: over(len(TIME), 2, fields[name]) for name in OVER_TICKS}
     fields |= {name: over(len(PERIODS), 2, fields[name]) for name in OVER_PERIODS}
     tools = [None if tool is None else fields.pop(name, 0.0) for name in ("tool_ideal", "tool_none")]
-    pulls = fields.pop("pulls", (None, None, None))
-    references = {"ideal": motion(ideal, tools[0], pulls[1]), "none": motion(none, tools[1], pulls[2])}
-    return Episode(DT, motion=motion(theta, tool, pulls[0]), **references, **fields)
+    guided = [*zip(*(fields.pop(name, (None, None, None)) for name in ("pulls", "losses")), strict=True)]
+    references = {"ideal": motion(ideal, tools[0], *guided[1]), "none": motion(none, tools[1], *guided[2])}
+    return Episode(DT, motion=motion(theta, tool, *guided[0]), **references, **fields)
 
 
 def columns(*joints: Any) -> np.ndarray:
@@ -126,18 +126,21 @@ def gone(x: float, y: float) -> np.ndarray:
     return np.where(free, [x, y, 0.0], columns(WAY, 0.0, 0.0))
 
 
-GUIDED = {
-    "tool": gone(0.003, 0.004),
-    "tool_ideal": gone(0.0, 0.0),
-    "tool_none": gone(0.0, 0.0),
-    "tool_d": 0.0 * TIME[:, None],
-}
-GUIDED |= {"hand": HAND, "pulls": (pull(6.0), pull(0.0), pull(24.0))}
+GUIDED: dict[str, Any] = {"tool": gone(0.003, 0.004), "tool_ideal": gone(0.0, 0.0), "tool_none": gone(0.0, 0.0)}
+GUIDED |= {"tool_d": 0.0 * TIME[:, None], "hand": HAND, "pulls": (pull(6.0), pull(0.0), pull(24.0))}
+HOLDS = np.where((PERIODS > 0.9999) & (PERIODS < 7.5999), DT, 0.0)  # from the grip until it has let go
+GUIDED |= {"losses": (6.0 * HOLDS, 0.0 * HOLDS, 24.0 * HOLDS), "damped": 0.0 * HOLDS}
 DAMPED = 50.0 * float(np.sum((SPEED[1:] + SPEED[:-1]) / 2 * np.diff(WAY)))
 SPENT = 0.5 * 200.0 * 0.15**2 + DAMPED
 """Work of the hand on the ideal arm: what the spring holds and the damper took, up to a thousandth."""
-FED = columns(np.where(np.abs(PERIODS - 5.4999) < 0.5, 2.5, -0.5), 0.0)
-BURST = {"theta": columns(TIME, 0.0), "tau_m": FED, "tau_f": [0.25, 0.0], "tau_held": [0.75, 0.0]}
+BURST = DT * np.where(np.abs(PERIODS - 5.4999) < 0.5, -2.0, 1.0)
+"""What friction takes where the compensation gives 2 J within a second, else 1 J/s."""
+
+
+def fed(energy: Any) -> dict[str, Any]:
+    """GUIDED with this in place of what friction takes of the arm."""
+    return {**GUIDED, "losses": (energy, *GUIDED["losses"][1:])}
+
 
 CLOSED_FORM: list[tuple[str, float, dict[str, Any]]] = [
     ("frr", 0.75, {"ideal": 1.0, "none": [4.0, 5.0], "theta": [1.75, 2.0]}),
@@ -198,15 +201,16 @@ CLOSED_FORM: list[tuple[str, float, dict[str, Any]]] = [
     ("hand_work_j", SPENT + 6.0 * 0.45, GUIDED),
     ("hand_work_j", SPENT - 2.0 * 0.45, {**GUIDED, "pulls": (pull(-2.0), pull(0.0), pull(24.0))}),
     ("hand_friction_work_ratio", 0.25, GUIDED),
-    ("hand_friction_work_ratio", 0.5, {**GUIDED, "pulls": (pull(-12.0), pull(0.0), pull(24.0))}),
+    ("hand_friction_work_ratio", 0.5, fed(-12.0 * HOLDS + 9.0 * (HOLDS == 0.0))),
     ("apparent_friction_n", 6.0, GUIDED),
     ("apparent_friction_n", 4.0, {**GUIDED, "pulls": (pull(2.0, 70.0), pull(0.0), pull(24.0))}),
     ("apparent_friction_n", 3.0, {**GUIDED, "pulls": (pull(-3.0), pull(0.0), pull(24.0))}),
     ("return_error_mm", 5.0, GUIDED),
-    ("hand_energy_created_j", 2.0, {**GUIDED, **BURST}),
-    ("hand_energy_created_j", 0.0, {**GUIDED, **BURST, "tau_m": [0.4, 0.0]}),
-    ("hand_passivity_violation_count", 1.0, {**GUIDED, **BURST}),
-    ("hand_passivity_violation_count", 0.0, {**GUIDED, **BURST, "theta": columns(0.009 * SPENT / 2.0 * TIME, 0.0)}),
+    ("hand_energy_created_j", 2.0, fed(BURST)),
+    ("hand_energy_created_j", 1.5, {**fed(BURST), "damped": 0.5 * DT + 0.0 * PERIODS}),
+    ("hand_energy_created_j", 0.0, fed(np.abs(BURST))),
+    ("hand_passivity_violation_count", 1.0, fed(BURST)),
+    ("hand_passivity_violation_count", 0.0, fed(0.009 * SPENT / 2.0 * BURST)),
     ("control_effort_ratio", 0.5, {"tau_m": columns(FLIP, 3 * FLIP), "torque_limit": np.array([2.0, 10.0])}),
     ("torque_roughness_ratio", 0.6, {"tau_m": columns(9.0, 3 * FLIP)}),
 ]
@@ -240,12 +244,12 @@ DOES_NOT_APPLY: list[tuple[str, dict[str, Any]]] = [
     ("over_compensation_ratio", {"theta": TIME, "tau_f": 2.0, "tau_f_hat": -1.0}),
     ("passivity_index_j", {"push": replace(PUSH, time=20.0)}),
     ("hand_work_j", {**GUIDED, "hand": replace(HAND, grip=20.0)}),
-    ("hand_friction_work_ratio", {**GUIDED, "pulls": (pull(6.0), pull(0.0), pull(0.0))}),
+    ("hand_friction_work_ratio", {**GUIDED, "losses": (HOLDS, HOLDS, 0.0 * HOLDS)}),
     ("apparent_friction_n", {**GUIDED, "hand": replace(HAND, strokes=1)}),
     ("apparent_friction_n", {**GUIDED, "tool": 0.1}),
     ("return_error_mm", {**GUIDED, "hand": replace(HAND, rest=12.0)}),
-    ("hand_energy_created_j", BURST),
-    ("hand_passivity_violation_count", BURST),
+    ("hand_energy_created_j", {**GUIDED, "hand": None}),
+    ("hand_passivity_violation_count", {**GUIDED, "hand": None}),
 ]
 
 
@@ -285,12 +289,9 @@ def busy_episode(rng: np.random.Generator) -> Episode:
     tool, tool_d, tool_none = rng.normal(size=(3, len(TIME), 3))
     windows = {"step_time": 1.0, "motion_window": (0.0, 12.0), "push": PUSH, **WINDOW}
     tools = {"tool": tool, "tool_d": tool_d, "tool_none": tool_none}
-    tools |= {
-        "tool_ideal": rng.normal(size=(len(TIME), 3)),
-        "hand": HAND,
-        "pulls": rng.normal(size=(3, len(PERIODS), 3)),
-    }
-    return episode(theta=theta, ideal=ideal, none=none, **tools, **windows, **fields)
+    tools |= {"tool_ideal": rng.normal(size=(len(TIME), 3)), "pulls": rng.normal(size=(3, len(PERIODS), 3))}
+    works = {"losses": rng.normal(size=(3, len(PERIODS))), "damped": rng.normal(size=len(PERIODS)), "hand": HAND}
+    return episode(theta=theta, ideal=ideal, none=none, **tools, **works, **windows, **fields)
 
 
 def mapped(source: Episode, joints: Any) -> Episode:

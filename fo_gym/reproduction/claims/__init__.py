@@ -12,6 +12,18 @@ from fo_gym.reproduction.claims import algebra
 from fo_gym.reproduction.claims import theorem2
 from fo_gym.reproduction.claims import passivity
 from fo_gym.reproduction.claims import experiments
+from fo_gym.reproduction.claims import interaction
 # isort: on
 
-__all__ = ["CLAIMS", "algebra", "experiments", "lowpass", "panels", "passivity", "rest", "stiction", "theorem2"]
+__all__ = [
+    "CLAIMS",
+    "algebra",
+    "experiments",
+    "interaction",
+    "lowpass",
+    "panels",
+    "passivity",
+    "rest",
+    "stiction",
+    "theorem2",
+]
