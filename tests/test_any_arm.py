@@ -25,7 +25,7 @@ def file_of(arm: str) -> Path:
 
 
 @every_arm
-@pytest.mark.parametrize("env_id", (*TASKS, INTERACTION))
+@pytest.mark.parametrize("env_id", [*TASKS, INTERACTION])
 def test_its_environments_are_gymnasiums(arm: str, env_id: str) -> None:
     check_interface(file_of(arm), env_id)
 
