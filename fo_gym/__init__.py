@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 from fo_gym.compensators import Compensator, CompensatorError, make_compensator
 from fo_gym.envs.registry import ENVIRONMENTS
+from fo_gym.friction import FRICTIONLESS, Dahl, ElastoPlastic, LuGre, MaxwellSlip
 from fo_gym.hardware import Hardware, SensorModel
-from fo_gym.parameters import FRICTIONLESS, FlexibleJoint, ImpedanceGains, JointInfo, LuGre, PDGains
+from fo_gym.parameters import FlexibleJoint, ImpedanceGains, JointInfo, PDGains
 from fo_gym.signals import Signals
 from fo_gym.specs import list_compensators
 
@@ -21,6 +22,8 @@ __all__ = [
     "FRICTIONLESS",
     "Compensator",
     "CompensatorError",
+    "Dahl",
+    "ElastoPlastic",
     "FlexibleJoint",
     "Hand",
     "Hardware",
@@ -28,6 +31,7 @@ __all__ = [
     "JointInfo",
     "JointPath",
     "LuGre",
+    "MaxwellSlip",
     "PDGains",
     "Push",
     "Randomization",

@@ -48,7 +48,7 @@ class Environment:
         tags: what it is, for whoever picks some of them: "link" | "arm" (takes any robot), "step" | "path" | "square" |
             "hand",
             and "own" of one that `register` made.
-        robot: its own robot, as `Settings.robot` takes it.
+        robot: its own robot: the name of a shipped one, or a Robot.
         task: what `register` was given; None of the project's own, whose class names it.
         source: module or file that registered it, to be imported where it is not known; "" of the project's own.
     """
@@ -59,6 +59,11 @@ class Environment:
     robot: Any
     task: Any = None
     source: str = ""
+
+    @property
+    def robot_name(self) -> str:
+        """What its own robot is called."""
+        return str(getattr(self.robot, "name", self.robot))
 
 
 ENVIRONMENTS: dict[str, Environment] = {}

@@ -74,7 +74,7 @@ class Hands:
         self.force[i] = self._gripped_at[i] = self.held[i] = 0.0
 
     def act(self, ticks: NDArray[np.int64], tau_ext: Array) -> None:
-        """Add J^T f, held over the coming control period, to tau_ext (num_envs, dof), and f's share of it to `force`.
+        """Add J^T f, held over the coming period, to tau_ext (num_envs, dof), and to `force` the share of a step.
 
         A hand grips where the tool is when the tick of its grip has come, and is a spring and a damper from then on: f
         is that of the links' true place and velocity at the tick.

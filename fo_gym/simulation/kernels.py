@@ -91,7 +91,7 @@ def whereabouts(state, low, high, where):
     """Where each environment is, into `where` (num_envs,): INSIDE, OUTSIDE or LOST; returns whether all are inside.
 
     Args:
-        state: the plant's (5, num_envs, dof); row 0 is q.
+        state: the plant's (rows, num_envs, dof); row 0 is q.
         low, high: joint range, (dof,).
         where: out.
     """

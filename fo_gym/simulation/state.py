@@ -13,6 +13,7 @@ from fo_gym.hardware.model import HardwareState
 from fo_gym.plant import PlantState
 from fo_gym.robots import Robot
 from fo_gym.simulation.hands import HandState
+from fo_gym.simulation.past_step import PastStep
 from fo_gym.simulation.settings import Settings
 from fo_gym.tasks.options import Limits
 from fo_gym.tasks.scenario import Scenario
@@ -78,10 +79,7 @@ class SimulationState:
     theta_n: Array
     theta_n_dot: Array
     ticks: NDArray[np.int64]
-    tau_m: Array
-    tau_ext: Array
-    tau_f: Array
-    tau_f_hat: Array
+    past: PastStep
     hardware: HardwareState
     hands: HandState | None
 
@@ -113,8 +111,10 @@ class SimulationState:
                 if (getattr(scenario, part) is not None) != wanted:
                     told = "missing" if wanted else "given"
                     raise ValueError(f"{name}.{part} is {told}; {_SAME}")
-        for field in ("theta_n", "theta_n_dot", "tau_m", "tau_ext", "tau_f", "tau_f_hat"):
+        for field in ("theta_n", "theta_n_dot"):
             real_array(f"SimulationState.{field}", getattr(self, field), (num_envs, dof))
+        instance("SimulationState.past", self.past, PastStep)
+        self.past.check((num_envs, dof))
         if hand:
             instance("SimulationState.hands", self.hands, HandState)
             cast("HandState", self.hands).check(num_envs)

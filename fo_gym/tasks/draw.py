@@ -9,9 +9,10 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.friction import FrictionLaw
 from fo_gym.generators import Streams
 from fo_gym.hardware import draw_hardware
-from fo_gym.parameters import FlexibleJoint, LuGre, per_joint
+from fo_gym.parameters import FlexibleJoint, per_joint
 from fo_gym.robots import Robot
 from fo_gym.tasks.hand import Hand
 from fo_gym.tasks.randomization import Randomization
@@ -26,9 +27,9 @@ __all__ = ["draw_scenario"]
 def draw_scenario(robot: Robot, task: Task, variant: str, rng: np.random.Generator) -> Scenario:
     """One episode of a task on a robot.
 
-    "nominal" draws nothing. The others draw friction, inertia, stiffness, start, target and push, in this order
-    and always all of them, so that an episode without friction has the same draws as one with it. What the hardware
-    draws comes last. Each draw asks for its random stream by the name of its range.
+    "nominal" draws nothing of its own. The others draw friction, inertia, stiffness, start, target and push, each from
+    the random stream of its range's name, and each effect of the hardware from that of its own: an episode without
+    friction, with another range, or with an effect more has the same other draws.
 
     Args:
         robot: the nominal robot, with the hardware's effects, if there are any.
@@ -68,21 +69,10 @@ def _draw_plain(robot: Robot, task: Task, variant: str, streams: Streams) -> Sce
     return Scenario(friction, joints, mass_scale, q_start, target, push, hand=hand)
 
 
-def _draw_friction(friction: LuGre, spread: Randomization, streams: Streams, dof: int) -> LuGre:
-    nominal = per_joint(friction, dof)
-    f_c = nominal.f_c * _factor("friction", spread, streams, dof)
-    # The ratio f_s / f_c varies about its nominal value, and f_s never falls below f_c.
-    excess = np.divide(nominal.f_s - nominal.f_c, nominal.f_c, out=np.zeros(dof), where=nominal.f_c > 0)
-    f_s = f_c * (1.0 + excess * _factor("stiction", spread, streams, dof))
-    bristle = _factor("bristle", spread, streams, dof)
-    return LuGre(
-        sigma_0=nominal.sigma_0 * bristle,
-        sigma_1=nominal.sigma_1 * np.sqrt(bristle),
-        sigma_2=nominal.sigma_2 * _factor("viscous", spread, streams, dof),
-        f_c=f_c,
-        f_s=f_s,
-        v_s=nominal.v_s * _factor("stribeck", spread, streams, dof),
-    )
+def _draw_friction(friction: FrictionLaw, spread: Randomization, streams: Streams, dof: int) -> FrictionLaw:
+    names = ("friction", "stiction", "bristle", "viscous", "stribeck")
+    nominal: FrictionLaw = per_joint(friction, dof)
+    return nominal.drawn({name: _factor(name, spread, streams, dof) for name in names})
 
 
 def _draw_joints(joints: FlexibleJoint, spread: Randomization, streams: Streams, dof: int) -> FlexibleJoint:

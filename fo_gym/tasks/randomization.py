@@ -17,11 +17,11 @@ class Randomization:
     """Ranges of the "randomized" variant. Factors are drawn log-uniformly, per joint unless noted.
 
     Attributes:
-        friction: factor on f_c.
-        stiction: factor on the excess of stiction, f_s - f_c, after `friction`.
-        stribeck: factor on v_s.
-        bristle: factor on sigma_0; sigma_1 gets its square root, which keeps the bristle's damping ratio.
-        viscous: factor on sigma_2.
+        friction: factor on Coulomb friction (LuGre: f_c); of friction, all act on what its law has of it.
+        stiction: factor on the share by which stiction (f_s) exceeds Coulomb friction.
+        stribeck: factor on the Stribeck velocity (v_s).
+        bristle: factor on the stiffness (sigma_0); the damping (sigma_1) gets its square root, which keeps its ratio.
+        viscous: factor on viscous friction (sigma_2).
         motor_inertia, stiffness: factors on B and K_j.
         mass: factor on the masses of the robot file, one for all links.
         start: largest offset of each joint at reset [m | rad], uniform; one value or one per joint.

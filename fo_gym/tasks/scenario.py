@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.checks import NOT_NEGATIVE, POSITIVE, instance, number, real_array, shown, values
+from fo_gym.friction import FrictionLaw
 from fo_gym.hardware import HardwareDraw
-from fo_gym.parameters import FlexibleJoint, LuGre, check_joints
+from fo_gym.parameters import FlexibleJoint, check_joints
 from fo_gym.tasks.hand import Hand
 
 Array = NDArray[np.float64]
@@ -42,7 +43,7 @@ class Scenario:
     """One episode of one environment.
 
     Attributes:
-        friction: LuGre parameters.
+        friction: of the motors.
         joints: motors and springs.
         mass_scale: factor on the masses of the robot file.
         q_start: links at reset, (dof,), m or rad.
@@ -52,7 +53,7 @@ class Scenario:
         hand: that guides the tool, nothing of it left open, or None.
     """
 
-    friction: LuGre
+    friction: FrictionLaw
     joints: FlexibleJoint
     mass_scale: float
     q_start: Array
@@ -76,7 +77,7 @@ class Scenario:
 
         What was drawn of the hardware is checked by who knows the hardware.
         """
-        for part, kind in (("friction", LuGre), ("joints", FlexibleJoint)):
+        for part, kind in (("friction", FrictionLaw), ("joints", FlexibleJoint)):
             instance(f"{name}.{part}", getattr(self, part), kind)
             check_joints(getattr(self, part), dof)
         number(f"{name}.mass_scale", self.mass_scale, POSITIVE)

@@ -105,12 +105,13 @@ def hand_energy_created(episode: Episode) -> float:
     return float(np.max(np.maximum.accumulate(taken) - taken))
 
 
-@metric("hand_passivity_violation_count", unit="events", better="lower", tolerance=Tolerance(0.0, 1.0))
+@metric("hand_passivity_violation_ratio", unit="1", better="lower", tolerance=Tolerance(0.0, 1.0), share=True)
 def hand_passivity_violation(episode: Episode) -> float:
-    """Whether the arm gave out more energy than a passive one may: 1 or 0.
+    """Passivity violated in the hand: 1 where the arm gave out more energy than a passive one may, else 0.
 
     1 where hand_energy_created_j is above 1 % of the hand's work on the arm without friction. The bristles of friction
-    give back what they store, and an observer of the paper's kind has a spring of its own: both are below that.
+    give back what they store, and an observer of the paper's kind has a spring of its own: both are below that. A
+    row says the share of its episodes.
     """
     created = hand_energy_created(episode)
     return math.nan if math.isnan(created) else float(created > _VIOLATION * _work(episode.ideal))
