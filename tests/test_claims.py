@@ -13,6 +13,7 @@ import pytest
 import fo_gym
 from fo_gym.certificate.statement import Finding, at_least, at_most, near
 from fo_gym.certificate.subject import Subject
+from fo_gym.compensators import NoCompensation
 from fo_gym.reproduction.claims import CLAIMS
 
 COARSE = Subject(control_dt=1e-3, quick=True)
@@ -95,6 +96,22 @@ def test_measured_feedback_turns(name: str) -> None:
 @slow
 def test_half_an_estimate_turns_the_size_at_rest() -> None:
     assert not CLAIMS["pd-rest-size"].measure(HALF).holds
+
+
+@slow
+def test_nobody_who_does_nothing_is_hardly_felt() -> None:
+    idle = Subject(control_dt=1e-3, make=lambda _: NoCompensation(), quick=True)
+    for name in ("interaction-work", "interaction-force", "interaction-return"):
+        assert CLAIMS[name].measure(idle).number == pytest.approx(1.0)
+        assert not CLAIMS[name].measure(idle).holds
+
+
+@slow
+def test_who_takes_the_hand_for_friction_is_not_passive() -> None:
+    """Without a torque sensor the observer cancels the hand's force, too: it works against the hand."""
+    blind = Subject(control_dt=1e-3, make=lambda _: fo_gym.make_compensator("kaneko"), quick=True)
+    assert not CLAIMS["interaction-passive"].measure(blind).holds
+    assert not CLAIMS["interaction-work"].measure(blind).holds
 
 
 @slow

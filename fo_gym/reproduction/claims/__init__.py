@@ -16,12 +16,14 @@ from fo_gym.reproduction.claims import model_based
 from fo_gym.reproduction.claims import regulation
 from fo_gym.reproduction.claims import square
 from fo_gym.reproduction.claims import tracking
+from fo_gym.reproduction.claims import interaction
 # isort: on
 
 __all__ = [
     "CLAIMS",
     "algebra",
     "arm_rest",
+    "interaction",
     "lowpass",
     "model_based",
     "panels",
