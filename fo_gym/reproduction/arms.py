@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.compensators import Compensator
-from fo_gym.evaluation.competitors.team import Team, by_feedback
+from fo_gym.evaluation.competitors.team import Team, alike
 from fo_gym.parameters import LuGre
 from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.robots import robot_of
@@ -21,10 +21,12 @@ from fo_gym.tasks.task import TaskLike
 Array = NDArray[np.float64]
 
 ARM = robot_of("miro_like")
+assert isinstance(ARM.friction, LuGre)
+FRICTION = ARM.friction
 _SAMPLE = 10
 """Every which tick is kept."""
 
-__all__ = ["ARM", "Arm", "run_arms"]
+__all__ = ["ARM", "FRICTION", "Arm", "run_arms"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +77,7 @@ def run_arms(
     """
     episodes = [seeds[0]] * len(frictions) if frictions else list(seeds)
     found: dict[str, list[Arm]] = {}
-    for names in by_feedback(members):
+    for names in alike(members):
         team = Team([members[name] for name in names], len(episodes))
         simulation = _begun(
             task, replace(settings, feedback=team.feedback), episodes * len(names), [*frictions] * len(names)
