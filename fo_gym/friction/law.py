@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.checks import Value
-from fo_gym.modules import import_file, is_of_file, module_name
+from fo_gym.modules import file_module, is_of_file
 
 Array = NDArray[np.float64]
 
@@ -221,8 +221,6 @@ class FrictionLaw:
 
 def _restored(file: str, name: str, values: dict[str, Any]) -> FrictionLaw:
     """The law of a class of a user's file, which is imported where it has not been."""
-    path = Path(file)
-    module = sys.modules.get(module_name(path)) or import_file(path)
-    law = object.__new__(attrgetter(name)(module))
+    law = object.__new__(attrgetter(name)(file_module(Path(file))))
     law.__dict__.update(values)
     return law
