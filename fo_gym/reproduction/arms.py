@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.compensators import Compensator
-from fo_gym.evaluation.competitors.team import Team, by_feedback
+from fo_gym.evaluation.competitors.team import Team, alike
 from fo_gym.parameters import LuGre
 from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.robots import robot_of
@@ -75,7 +75,7 @@ def run_arms(
     """
     episodes = [seeds[0]] * len(frictions) if frictions else list(seeds)
     found: dict[str, list[Arm]] = {}
-    for names in by_feedback(members):
+    for names in alike(members):
         team = Team([members[name] for name in names], len(episodes))
         simulation = _begun(
             task, replace(settings, feedback=team.feedback), episodes * len(names), [*frictions] * len(names)
