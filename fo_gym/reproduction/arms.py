@@ -21,10 +21,12 @@ from fo_gym.tasks.task import TaskLike
 Array = NDArray[np.float64]
 
 ARM = robot_of("miro_like")
+assert isinstance(ARM.friction, LuGre)
+FRICTION: LuGre = ARM.friction
 _SAMPLE = 10
 """Every which tick is kept."""
 
-__all__ = ["ARM", "Arm", "run_arms"]
+__all__ = ["ARM", "FRICTION", "Arm", "run_arms"]
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from fo_gym.certificate.statement import Finding
 from fo_gym.certificate.subject import Subject
 from fo_gym.compensators import NoCompensation
 from fo_gym.parameters import FRICTIONLESS, LuGre
-from fo_gym.reproduction.arms import ARM, Arm, run_arms
+from fo_gym.reproduction.arms import ARM, FRICTION, Arm, run_arms
 from fo_gym.reproduction.runs import PAPER
 from fo_gym.simulation.settings import Settings
 from fo_gym.tasks.regulation import regulation
@@ -90,7 +90,7 @@ def _runs(
         settings = Settings(physics_dt=subject.physics_dt, duration=duration, gains=group[0].gains(gains))
         (ideal,) = run_arms({"ideal": NoCompensation()}, task, settings, frictions=[FRICTIONLESS])["ideal"]
         members = {name: subject.make(name) for name in names}
-        arms = run_arms(members, task, settings, frictions=[each.friction(ARM.friction) for each in group])
+        arms = run_arms(members, task, settings, frictions=[each.friction(FRICTION) for each in group])
         for i, variation in enumerate(group):
             found[variation.name] = {"ideal": ideal, **{name: arms[name][i] for name in members}}
     return {name: found[name] for name in (each.name for each in (AS_IT_IS, *VARIATIONS)) if name in found}

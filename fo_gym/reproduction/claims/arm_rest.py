@@ -7,7 +7,7 @@ import numpy as np
 from fo_gym.certificate.statement import Finding, at_least, at_most
 from fo_gym.certificate.subject import Subject
 from fo_gym.plant.rigid_body import RigidBody
-from fo_gym.reproduction.arms import ARM, Arm
+from fo_gym.reproduction.arms import ARM, FRICTION, Arm
 from fo_gym.reproduction.claim import claim
 from fo_gym.reproduction.runs import GAINS
 from fo_gym.reproduction.sensitivity import AS_IT_IS, held_arms
@@ -49,7 +49,7 @@ def _gravity(subject: Subject) -> Finding:
 )
 def _bound(subject: Subject) -> Finding:
     stiffness = ARM.flexible.motor_inertia * GAINS["low"]["L"] * GAINS["low"]["Lp"]
-    shares = np.abs(_pd_low(subject).error[-1]) * stiffness / ARM.friction.f_s
+    shares = np.abs(_pd_low(subject).error[-1]) * stiffness / FRICTION.f_s
     text = f"largest |theta - theta_d| B L L_p / f_s over joints after 60 s, low gains: joint {np.argmax(shares) + 1}"
     return at_most(float(shares.max()), 1.0, "", text)
 
