@@ -28,7 +28,7 @@ def stiction():
 
 @pytest.fixture(scope="module")
 def regulation():
-    return runs_of(REGULATION_ID, "pd-low")
+    return run_team({"pd-low": fo_gym.make_compensator("pd-low")}, REGULATION_ID, duration=20.0)
 
 
 @pytest.fixture(scope="module")

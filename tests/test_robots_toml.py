@@ -97,7 +97,7 @@ def test_the_shipped_robots_are_what_the_paper_and_its_arm_are() -> None:
     assert link.hardware is not None
     assert arm.hardware.sensors.encoder.cutoff == 2.0 * math.pi * 150.0  # type: ignore[union-attr]
     assert arm.hardware.ripple.period == 2.0 * math.pi / 200.0  # type: ignore[union-attr]
-    assert arm.hardware.temperature.start == (0.0, 20.0)  # type: ignore[union-attr]
+    assert arm.hardware.temperature.start == (0.0, 30.0)  # type: ignore[union-attr]
     np.testing.assert_array_equal(link.friction.sigma_1, [np.sqrt(1e5)])
     assert link.units == ("m",)
 

@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 ARM = robot_of("miro_like")
 assert isinstance(ARM.friction, LuGre)
-FRICTION = ARM.friction
+FRICTION: LuGre = ARM.friction
 _SAMPLE = 10
 """Every which tick is kept."""
 

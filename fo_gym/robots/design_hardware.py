@@ -37,9 +37,8 @@ ENCODER_CUTOFF, TORQUE_CUTOFF = 2.0 * np.pi * 150.0, 2.0 * np.pi * 200.0
 BUS = 2e-3
 """Delay of commands [s]: two cycles of a bus at 1 kHz, there and back."""
 
-BEARINGS, BEARINGS_WIDTH = 0.1, 0.01
-"""Friction of the links' bearings as a share of the motor's, MIRO-like; the speed below which it falls to nothing
-[rad/s], MIRO-like."""
+BEARINGS = 0.1
+"""Friction of the links' bearings as a share of the motor's, MIRO-like."""
 
 RIPPLE, RIPPLES = 0.1, 200.0
 """Amplitude of the gear's ripple as a share of f_c, MIRO-like; ripples per turn of the link, of strain-wave gears."""
@@ -73,7 +72,7 @@ def designed_hardware(flexible: FlexibleJoint, friction: LuGre, units: Array) ->
         delay=CommandDelay(BUS),
         saturation=TorqueSaturation(),
         link_friction=LinkFriction(
-            coulomb=BEARINGS * f_c, viscous=BEARINGS * np.asarray(friction.sigma_2), width=BEARINGS_WIDTH * units
+            coulomb=BEARINGS * f_c, viscous=BEARINGS * np.asarray(friction.sigma_2), width=friction.v_s
         ),
         ripple=GearRipple(amplitude=RIPPLE * f_c, period=2.0 * np.pi / RIPPLES * units),
         load=LoadFriction(LOAD),
