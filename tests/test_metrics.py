@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from metric_episodes import JOINT_SIGNALS, OVER_PERIODS, OVER_TICKS, PERIODS, PUSH, STEP, TIME, WINDOW, episode
+from metric_hands import HAND
 
 from fo_gym.evaluation import metrics
 from fo_gym.evaluation.episode.record import Episode
@@ -34,11 +35,16 @@ def busy_episode(rng: np.random.Generator) -> Episode:
     fields: dict[str, Any] = {name: rng.normal(size=(len(TIME), 2)) for name in OVER_TICKS}
     fields |= {name: np.cumsum(rng.normal(size=(len(PERIODS), 2)), axis=0) for name in OVER_PERIODS}
     fields["theta_dot"] *= 1e-4
-    fields["tau_f_hat"] = fields["tau_f"] + rng.normal(size=(len(PERIODS), 2))
+    fields["tau_f_hat"] = fields["tau_dist"] + rng.normal(size=(len(PERIODS), 2))
     theta, ideal, none = rng.normal(size=(3, len(TIME), 2))
     tool, tool_d, tool_none = rng.normal(size=(3, len(TIME), 3))
     windows = {"step_time": 1.0, "motion_window": (0.0, 12.0), "push": PUSH, **WINDOW}
     tools = {"tool": tool, "tool_d": tool_d, "tool_none": tool_none}
+    tools |= {
+        "tool_ideal": rng.normal(size=(len(TIME), 3)),
+        "hand": HAND,
+        "pulls": rng.normal(size=(3, len(PERIODS), 3)),
+    }
     return episode(theta=theta, ideal=ideal, none=none, **tools, **windows, **fields)
 
 

@@ -36,6 +36,7 @@ from metric_episodes import (
     rowing,
     stick_slip,
 )
+from metric_hands import HAND_CLOSED_FORM, HAND_DOES_NOT_APPLY
 
 from fo_gym.evaluation.metrics import METRICS, score
 
@@ -85,18 +86,18 @@ CLOSED_FORM: list[tuple[str, float, dict[str, Any]]] = [
     ("contour_error_mm", 4.0, {"tool": columns(0.096, np.where(TIME < 5, 0.04, 0.06), 0), **PATH, "tool_d": CORNERS}),
     ("quadrant_glitch_mm", 2.0, {**GLITCH, "theta_d": columns(0.0, np.abs(TIME - 4.0))}),
     ("quadrant_glitch_mm", 2.0, {**GLITCH, "theta_d": np.maximum(np.abs(TIME - 3.5), 0.5)}),
-    ("estimate_rmse_ratio", 0.3, {"tau_f": columns(FLIP, 5.0), "tau_f_hat": columns(0.7 * FLIP, 4.0)}),
-    ("estimate_rmse_ratio", 1.0, {"tau_f": columns(FLIP, 0.0), "tau_f_hat": [0.0, 9.0]}),
-    ("estimate_lag_ms", 12.3, {"tau_f": columns(friction(), 0.1), "tau_f_hat": columns(0.5 * friction(0.0123), 9)}),
-    ("estimate_lag_ms", -300.0, {"tau_f": friction(), "tau_f_hat": friction(-0.3) + 1.0}),
+    ("estimate_rmse_ratio", 0.3, {"tau_dist": columns(FLIP, 5.0), "tau_f_hat": columns(0.7 * FLIP, 4.0)}),
+    ("estimate_rmse_ratio", 1.0, {"tau_dist": columns(FLIP, 0.0), "tau_f_hat": [0.0, 9.0]}),
+    ("estimate_lag_ms", 12.3, {"tau_dist": columns(friction(), 0.1), "tau_f_hat": columns(0.5 * friction(0.0123), 9)}),
+    ("estimate_lag_ms", -300.0, {"tau_dist": friction(), "tau_f_hat": friction(-0.3) + 1.0}),
     ("observer_work_in_stiction_j", -0.5 * 0.1 * 3.0, observer(-2.0, 3.0)),
     ("observer_work_in_stiction_j", 0.5 * 0.1 * 2.0, observer(-2.0, -3.0)),
     ("over_compensation_ratio", 0.0, rowing(0.0)),
     ("over_compensation_ratio", 0.0, rowing(1.0)),
     ("over_compensation_ratio", 0.5, rowing(1.5)),
     ("over_compensation_ratio", 0.0, rowing(-1.0)),
-    ("over_compensation_ratio", 0.3 / 1.2, {"theta": TIME, "tau_f": [-1.0, -0.2], "tau_f_hat": [-1.2, -0.3]}),
-    ("over_compensation_ratio", 0.5, {"theta": TIME, "tau_f": [-1.0, 3.0], "tau_f_hat": [-0.5, -0.5]}),
+    ("over_compensation_ratio", 0.3 / 1.2, {"theta": TIME, "tau_dist": [-1.0, -0.2], "tau_f_hat": [-1.2, -0.3]}),
+    ("over_compensation_ratio", 0.5, {"theta": TIME, "tau_dist": [-1.0, 3.0], "tau_f_hat": [-0.5, -0.5]}),
     ("passivity_index_j", -0.2, {"q_dot": columns(0.1 - 0.4 * (TIME - 1.0), 7.0), **PUSHED}),
     ("passivity_index_j", 0.0, {"q_dot": 0.3, "push": replace(PUSH, time=0.0), "tau_ext": 2.0}),
     ("passivity_violation_ratio", 1.0, {"q_dot": -0.3, **PUSHED, "stored": 0.59}),
@@ -106,6 +107,7 @@ CLOSED_FORM: list[tuple[str, float, dict[str, Any]]] = [
     ("passivity_violation_ratio", 0.0, {"q_dot": 0.3, **PUSHED, "stored": 0.0}),
     ("control_effort_ratio", 0.5, {"tau_m": columns(FLIP, 3 * FLIP), "torque_limit": np.array([2.0, 10.0])}),
     ("torque_roughness_ratio", 0.6, {"tau_m": columns(9.0, 3 * FLIP)}),
+    *HAND_CLOSED_FORM,
 ]
 
 DOES_NOT_APPLY: list[tuple[str, dict[str, Any]]] = [
@@ -128,18 +130,19 @@ DOES_NOT_APPLY: list[tuple[str, dict[str, Any]]] = [
     ("tool_max_error_mm", {"tool": 1.0, **PATH, "motion_window": (21.0, 22.0)}),
     ("quadrant_glitch_mm", {"tool": 1.0, **PATH, "theta_d": TIME}),
     ("quadrant_glitch_mm", {"tool": 1.0, **PATH, "theta_d": np.minimum(TIME, 3.0)}),
-    ("estimate_lag_ms", {"tau_f": friction()}),
-    ("estimate_lag_ms", {"tau_f": friction(), "tau_f_hat": 3.0}),
-    ("estimate_lag_ms", {"tau_f": friction() + PERIODS, "tau_f_hat": friction() - PERIODS}),
-    ("estimate_lag_ms", {"tau_f": friction(), "tau_f_hat": friction(0.7)}),
-    ("estimate_lag_ms", {"tau_f": PERIODS, "tau_f_hat": PERIODS - 0.1}),
+    ("estimate_lag_ms", {"tau_dist": friction()}),
+    ("estimate_lag_ms", {"tau_dist": friction(), "tau_f_hat": 3.0}),
+    ("estimate_lag_ms", {"tau_dist": friction() + PERIODS, "tau_f_hat": friction() - PERIODS}),
+    ("estimate_lag_ms", {"tau_dist": friction(), "tau_f_hat": friction(0.7)}),
+    ("estimate_lag_ms", {"tau_dist": PERIODS, "tau_f_hat": PERIODS - 0.1}),
     ("observer_work_in_stiction_j", {"theta_dot": 2e-4, "tau_f_hat": 1.0}),
-    ("over_compensation_ratio", {"theta": TIME, "tau_f": 2.0, "tau_f_hat": -1.0}),
+    ("over_compensation_ratio", {"theta": TIME, "tau_dist": 2.0, "tau_f_hat": -1.0}),
     ("passivity_index_j", {"push": replace(PUSH, time=20.0)}),
     ("passivity_violation_ratio", {"push": replace(PUSH, time=20.0), "stored": 0.0}),
     ("passivity_violation_ratio", {"q_dot": -0.3, **PUSHED, "stored": 0.0, "motion_window": (0.0, 1.5)}),
     ("passivity_violation_ratio", {"q_dot": -0.3, **PUSHED, "stored": 0.0, "step_time": 1.5}),
     ("hunting_ratio", {"theta": stick_slip(4.0)}),
+    *HAND_DOES_NOT_APPLY,
 ]
 
 

@@ -145,7 +145,7 @@ def test_the_seeds_make_a_difference(results: Results) -> None:
 
 
 def test_progress_is_told_as_often_as_there_are_runs(results: Results, labels: list[str]) -> None:
-    expected = [f"{SQUARE}, {variant}: none, ideal" for variant in ("nominal", "randomized")]
+    expected = [f"{SQUARE}, {variant}: none, ideal, bound" for variant in ("nominal", "randomized")]
     expected += [f"{SQUARE}, {variant}: {name}" for variant in ("nominal", "randomized") for name in ORDER[2:]]
     assert labels == expected
     assert len(results.timing) == 2 * (len(ORDER) - 2)

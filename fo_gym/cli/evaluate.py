@@ -103,7 +103,7 @@ def run_evaluate(
         names = tuple(competitor.name for competitor in (*given, *others))
         count = usual_count([variant]) if seeds is None else seeds
         protocol = Protocol("evaluate", "validation", count, (env,), (variant,), names, robots_of(robot))
-    except ValueError as error:
+    except (ValueError, OSError) as error:
         raise Stop(str(error)) from error
     if out is not None:
         _check_ranking(names)

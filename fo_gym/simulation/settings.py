@@ -6,10 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
-from fo_gym.checks import POSITIVE, choice, instance, number, only, shown, whole_number
+from fo_gym.checks import POSITIVE, choice, flag, instance, number, only, shown, whole_number
+from fo_gym.friction import FRICTIONLESS, FrictionLaw
 from fo_gym.hardware import Hardware, SensorModel
 from fo_gym.micro_steps import PhysicsDt, is_auto, micro_steps
-from fo_gym.parameters import FlexibleJoint, ImpedanceGains, LuGre, PDGains
+from fo_gym.parameters import FlexibleJoint, ImpedanceGains, PDGains
 from fo_gym.robots import Robot, RobotLike, robot_of
 from fo_gym.signals import TIERS
 from fo_gym.tasks.randomization import Randomization
@@ -42,12 +43,14 @@ class Settings:
         decimation: control ticks per environment step, at least 1, at most those of the episode.
         duration: length of an episode [s], rounded to whole steps, at least one; at most MAX_TICKS control periods.
         joints: motors and springs.
-        friction: LuGre parameters.
+        friction: of the motors, of any law: `fo_gym.LuGre`, or another `fo_gym.friction.FrictionLaw`.
         gains: PDGains or ImpedanceGains, as the task's controller needs.
         sensors: "joint" = motor encoder and joint torque sensor; "motor" = the encoder alone: no tau_j, no theta_n, no
             nominal feedback; "full" = a tachometer as well.
         sensor_model: what the sensors make of the truth; None means the hardware's.
         hardware: effects, in any variant; None means the task's in "hardware" and none elsewhere.
+        disturbed: False takes away all that disturbs the motors (friction, gear ripple, torques of effects) and leaves
+            everything else, as the reference `ideal` has it.
         randomization: ranges from which "randomized" draws.
     """
 
@@ -61,11 +64,12 @@ class Settings:
     decimation: int = 1
     duration: float | None = None
     joints: FlexibleJoint | None = None
-    friction: LuGre | None = None
+    friction: FrictionLaw | None = None
     gains: PDGains | ImpedanceGains | None = None
     sensors: str = "joint"
     sensor_model: SensorModel | None = None
     hardware: Hardware | None = None
+    disturbed: bool = True
     randomization: Randomization | None = None
 
     def __post_init__(self) -> None:
@@ -78,7 +82,7 @@ class Settings:
             choice(name, getattr(self, name), allowed)
         for name, kind in (
             ("joints", FlexibleJoint),
-            ("friction", LuGre),
+            ("friction", FrictionLaw),
             ("randomization", Randomization),
             ("sensor_model", SensorModel),
             ("hardware", Hardware),
@@ -91,6 +95,7 @@ class Settings:
         if not is_auto(self.physics_dt):
             micro_steps(self.control_dt, self.physics_dt)
         whole_number("decimation", self.decimation, 1)
+        flag("disturbed", self.disturbed)
         if self.sensors == "motor" and self.feedback == "nominal":
             raise ValueError("feedback 'nominal' needs the torque sensor that sensors='motor' lacks; use 'measured'")
 
@@ -116,7 +121,8 @@ class Settings:
         if robot is None or task is None:
             raise ValueError("this environment has no robot or task of its own; make it with robot=... and task=...")
         own = robot_of(robot)
-        own = replace(own, **_given(flexible=self.joints, friction=self.friction))
+        friction = self.friction if self.disturbed else FRICTIONLESS
+        own = replace(own, **_given(flexible=self.joints, friction=friction))
         made = made_for(own, task)
         made = replace(made, **_given(duration=self.duration, gains=self.gains, randomization=self.randomization))
         return replace(own, hardware=self._hardware_of(own, made)), made.fitted_to(own)

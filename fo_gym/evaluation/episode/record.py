@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.tasks.hand import Hand
 from fo_gym.tasks.scenario import Push
 
 Array = NDArray[np.float64]
@@ -16,15 +17,17 @@ __all__ = ["Episode", "Motion", "Push"]
 
 @dataclass(frozen=True)
 class Motion:
-    """Where the motors and the tool were, tick by tick.
+    """Where the motors and the tool were, tick by tick, and how a hand pulled.
 
     Attributes:
         theta: motor positions, (ticks, dof), m or rad.
         tool: tool position in the world, (ticks, 3), m; None where the task has no tool path.
+        f_hand: mean force of the hand on the tool, (periods, 3), N; None where no hand guides it.
     """
 
     theta: Array
     tool: Array | None
+    f_hand: Array | None = None
 
     @property
     def scored(self) -> Array:
@@ -43,13 +46,15 @@ class Episode:
         dt: time between two ticks, s (control_dt x decimation).
         joint_unit: "m" or "rad".
         motion: theta and tool of the competitor.
-        ideal: the same episode without friction.
+        ideal: the same episode without anything that disturbs the motors.
         none: the same episode without compensation.
         theta_dot, q, q_dot, theta_n, theta_n_dot: over ticks, (ticks, dof).
         theta_d: desired motor position, (ticks, dof).
         tool_d: desired tool position, (ticks, 3), m, or None.
         tau_f_hat: estimate that was applied, (periods, dof), N or N m.
         tau_f: true friction torque, mean over each period, (periods, dof); it opposes motion.
+        tau_dist: true disturbance of the motors, mean over each period, (periods, dof): tau_f, and what gears and other
+            effects add. It is what an estimate is compared with, since no observer can tell one from the other.
         tau_m, tau_ext: motor torque and external torque as applied, means over the periods, (periods, dof).
         torque_limit: (dof,), N or N m.
         step_time: when the target last jumped, s; None where the reference moves smoothly.
@@ -59,6 +64,9 @@ class Episode:
         stored: energy in the joints when the push begins, J; NaN without one.
         termination: "" or why the episode ended early ("joint_limit" | "non_finite"). After the end
             every array holds its last finite value.
+        hand: the hand that guides the tool, or None.
+        tau_held: what the controller would apply at theta, were the motors at rest there, (ticks, dof), N or N m; None
+            where no hand guides the tool.
     """
 
     dt: float
@@ -75,6 +83,7 @@ class Episode:
     tool_d: Array | None
     tau_f_hat: Array
     tau_f: Array
+    tau_dist: Array
     tau_m: Array
     tau_ext: Array
     torque_limit: Array
@@ -84,6 +93,8 @@ class Episode:
     push: Push | None
     stored: float
     termination: str
+    hand: Hand | None = None
+    tau_held: Array | None = None
 
     @property
     def duration(self) -> float:

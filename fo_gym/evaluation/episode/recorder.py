@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, cast
 
 import gymnasium as gym
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.compensators import Compensator, Ideal
+from fo_gym.compensators import Compensator, Ideal, is_privileged
 from fo_gym.envs.registry import environment_of
 from fo_gym.envs.vector import JointVectorEnv
 from fo_gym.evaluation.episode.calls import checked_estimate, checked_reset
 from fo_gym.evaluation.episode.recording import Recording
 from fo_gym.evaluation.episode.stored import stored_energy
-from fo_gym.parameters import FRICTIONLESS
 from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.signals import Signals
 
@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 _TICK_SIGNALS = ("theta_n", "theta_n_dot", "theta_d", "reference")
 _TICK_TRUTH = ("theta", "theta_dot", "q", "q_dot")
 _JOINT_TICKS = ("theta", "theta_dot", "q", "q_dot", "theta_n", "theta_n_dot", "theta_d")
-_PERIOD_TRUTH = ("tau_f_hat", "tau_m", "tau_f", "tau_ext")
+_PERIOD_TRUTH = ("tau_f_hat", "tau_m", "tau_f", "tau_dist", "tau_ext")
 
 __all__ = ["record"]
 
@@ -42,7 +42,7 @@ def record(
     """Run `compensator` on one batch, an episode per seed, each to its end.
 
     Args:
-        compensator: who is scored; `Ideal` runs on joints without friction.
+        compensator: who is scored; of `Ideal` nothing disturbs the motors.
         name: what to call it in errors.
         env_id: registered environment.
         variant: variant of it.
@@ -55,7 +55,7 @@ def record(
     """
     kwargs = {**env_kwargs, "feedback": compensator.feedback}
     if type(compensator) is Ideal:
-        kwargs["friction"] = FRICTIONLESS
+        kwargs["disturbed"] = False
     env_id = environment_of(env_id).id
     env = cast("JointVectorEnv", gym.make_vec(env_id, num_envs=len(seeds), variant=variant, **kwargs).unwrapped)
     env.reset(seed=list(seeds))
@@ -79,6 +79,9 @@ class _Recorder:
         self.ticks = {name: np.empty((self.steps + 1, env.num_envs, size)) for name, size in sizes.items()}
         shape = (self.steps, env.num_envs, self.dof)
         self.periods = {name: np.empty(shape) for name in _PERIOD_TRUTH}
+        if self.simulation.hands is not None:
+            self.ticks["tau_held"] = np.empty((self.steps + 1, env.num_envs, self.dof))
+            self.periods["f_hand"] = np.empty((self.steps, env.num_envs, 3))
         self.scenarios = tuple(self.simulation.scenarios)
         self.alive = np.ones(env.num_envs, dtype=bool)
         self.ended = np.full(env.num_envs, self.steps)
@@ -91,17 +94,22 @@ class _Recorder:
             self.ticks[name][tick] = info[name]
         for name in _TICK_SIGNALS:
             self.ticks[name][tick] = getattr(self.signals, name)
+        if "tau_held" in self.ticks:
+            theta = info["theta"]
+            self.ticks["tau_held"][tick] = self.simulation.control.torque(theta, np.zeros_like(theta))
 
     def run(self, compensator: Compensator, name: str) -> Recording:
         """All episodes, tick by tick."""
+        privileged = is_privileged(compensator)
         for step in range(self.steps):
+            signals = replace(self.signals, truth=self.simulation.truth()) if privileged else self.signals
             start = time.perf_counter()
-            estimate = checked_estimate(compensator, name, self.signals, self.alive, step)
+            estimate = checked_estimate(compensator, name, signals, self.alive, step)
             self.seconds[step] = time.perf_counter() - start
             obs, _, terminated, _, info = self.env.step(estimate)
             self.signals = Signals.from_observation(obs, self.dof, self.env.available)
-            for part in _PERIOD_TRUTH:
-                self.periods[part][step] = info[part]
+            for part, kept in self.periods.items():
+                kept[step] = info[part]
             self._keep_tick(step + 1, info)
             if terminated.any():
                 self._end(step + 1, terminated, info)
@@ -153,4 +161,6 @@ class _Recorder:
     def _tell_in_one_unit(self, levers: Array) -> None:
         """Joints of a robot with hinges and slides in the same unit, see `Robot.levers`."""
         self.ticks |= {name: self.ticks[name] / levers for name in _JOINT_TICKS}
-        self.periods = {name: array * levers for name, array in self.periods.items()}
+        self.periods |= {name: self.periods[name] * levers for name in _PERIOD_TRUTH}
+        if "tau_held" in self.ticks:
+            self.ticks["tau_held"] *= levers

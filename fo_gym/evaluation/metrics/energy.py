@@ -85,19 +85,19 @@ def _work_of_push(episode: Episode) -> Array | None:
 
 @metric("over_compensation_ratio", unit="1", better="lower", tolerance=Tolerance(1e-7, 3e-4))
 def over_compensation(episode: Episode) -> float:
-    """Energy that the estimate feeds into the motion beyond what friction takes, as a share of what friction takes.
+    """Energy that the estimate feeds into the motion beyond what the disturbance takes, as a share of that.
 
-        sum of max(0, -tau_f_hat dtheta - taken) / sum of taken,  taken = max(0, -tau_f dtheta)
+        sum of max(0, -tau_f_hat dtheta - taken) / sum of taken,  taken = max(0, -tau_dist dtheta)
 
     over all periods and joints, dtheta = theta[k+1] - theta[k]. tau_f_hat is held over a period, so that
-    -tau_f_hat dtheta is exactly the work it does on the motor; tau_f is the period's mean. Where friction takes
-    energy, the numerator is the work of the residual tau_f - tau_f_hat where that drives the motion; where the
-    bristles spring back (taken = 0), what they return is not counted, only what the estimate adds. 0 for no estimate
-    and for a perfect one, 1 for one that is twice too large throughout. Summed over joints, as energies are: one that
-    hardly moves does not decide. NaN where friction takes nothing.
+    -tau_f_hat dtheta is exactly the work it does on the motor; tau_dist, friction and whatever else disturbs the motor,
+    is the period's mean. Where it takes energy, the numerator is the work of the residual tau_dist - tau_f_hat where
+    that drives the motion; where bristles spring back or a ripple drives (taken = 0), what they return is not counted,
+    only what the estimate adds. 0 for no estimate and for a perfect one, 1 for one that is twice too large throughout.
+    Summed over joints, as energies are: one that hardly moves does not decide. NaN where nothing is taken.
     """
     step = np.diff(episode.motion.theta, axis=0)
-    taken = np.maximum(0.0, -episode.tau_f * step)
+    taken = np.maximum(0.0, -episode.tau_dist * step)
     if not taken.any():
         return math.nan
     fed = np.maximum(0.0, -episode.tau_f_hat * step - taken)

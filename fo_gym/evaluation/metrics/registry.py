@@ -18,6 +18,7 @@ UNIT_ENDINGS = {
     "ms": "_ms",
     "%": "_percent",
     "J": "_j",
+    "N": "_n",
     "Hz": "_hz",
     "events": "_count",
     "1": "_ratio",

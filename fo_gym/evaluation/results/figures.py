@@ -22,8 +22,8 @@ from fo_gym.evaluation.results.ties import RELEVANT
 from fo_gym.evaluation.results.trace_figure import trace_figure
 from fo_gym.evaluation.runs.contest import Results
 from fo_gym.evaluation.runs.episodes import SET, label_of, place_of
+from fo_gym.evaluation.runs.provenance import is_reference
 from fo_gym.files import draft_of
-from fo_gym.specs import BUILT_IN
 from fo_gym.tasks.variants import NOMINAL
 
 Array = NDArray[np.float64]
@@ -47,7 +47,7 @@ def ranking_figure(table: pd.DataFrame) -> Figure:
     Args:
         table: rows as `leaderboard` gives them.
     """
-    table = table[~table["compensator"].isin(BUILT_IN)]
+    table = table[~is_reference(table)]
     sets = list(table[SET].drop_duplicates().itertuples(index=False, name=None))
     envs = list(dict.fromkeys(place_of(env, robot) for env, robot, _ in sets))
     variants = list(dict.fromkeys(variant for _, _, variant in sets))

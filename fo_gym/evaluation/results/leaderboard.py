@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,8 +21,8 @@ from fo_gym.evaluation.results.statistics import (
 )
 from fo_gym.evaluation.results.ties import Difference, compared_pairs, tied_groups
 from fo_gym.evaluation.runs.episodes import FAILED, KEY, OK, SET, TERMINATED, place_of
-from fo_gym.evaluation.runs.provenance import is_provenance
-from fo_gym.specs import BUILT_IN, spec_of
+from fo_gym.evaluation.runs.provenance import is_provenance, is_reference
+from fo_gym.specs import spec_of
 
 OVERALL = "overall"
 """What stands in the column env where all environments count together."""
@@ -97,7 +97,7 @@ def overall(episodes: pd.DataFrame) -> pd.DataFrame:
         for name, group in rows.groupby("compensator", sort=False):
             headline = _headline(group, [values[name].to_numpy() for values in strata], [*label, str(name)])
             table.append({**dict(zip(KEY, [*label, str(name)], strict=True)), **headline, **_told(group, [])})
-        compared += _compared(strata, label, _baselines(rows))
+        compared += _compared(strata, label, rows)
     if not table:
         return pd.DataFrame(columns=[*KEY, *STANDING])
     return _with_standings(pd.DataFrame(table), pd.DataFrame(compared, columns=[*KEY, *STANDING]))
@@ -106,7 +106,7 @@ def overall(episodes: pd.DataFrame) -> pd.DataFrame:
 def standings(episodes: pd.DataFrame) -> pd.DataFrame:
     """Rank and comparisons of every competitor in its set (environment, robot and variant), by frr.
 
-    Built-in references and rows without a score are left out. All intervals are 95 % bootstrap intervals over the
+    References and rows without a score are left out. All intervals are 95 % bootstrap intervals over the
     seeds; differences are paired, seed by seed, and positive where the row is better than what it is compared with.
     With one episode every interval is its value. Whether two rows are tied says `Difference.tied`.
 
@@ -124,7 +124,7 @@ def standings(episodes: pd.DataFrame) -> pd.DataFrame:
     """
     compared: list[_Row] = []
     for key, rows in episodes.groupby(SET, sort=False):
-        compared += _compared([_by_seed(rows)], [str(part) for part in key], _baselines(rows))
+        compared += _compared([_by_seed(rows)], [str(part) for part in key], rows)
     return pd.DataFrame(compared, columns=[*KEY, *STANDING])
 
 
@@ -188,10 +188,11 @@ def _by_seed(rows: pd.DataFrame) -> pd.DataFrame:
     return rows.pivot(index="seed", columns="compensator", values="frr")[rows["compensator"].unique()]
 
 
-def _compared(strata: Sequence[pd.DataFrame], label: Sequence[str], baselines: Container[str]) -> list[_Row]:
-    """Rows of `standings` for competitors that met the same strata, each as `_by_seed` gives it."""
+def _compared(strata: Sequence[pd.DataFrame], label: Sequence[str], rows: pd.DataFrame) -> list[_Row]:
+    """Rows of `standings` for competitors that met the same strata, each as `_by_seed` gives it of these rows."""
+    references, baselines = set(rows.loc[is_reference(rows), "compensator"]), _baselines(rows)
     means = {str(name): stratified_mean([values[name] for values in strata]) for name in strata[0]}
-    scored = {name: mean for name, mean in means.items() if name not in BUILT_IN and not np.isnan(mean)}
+    scored = {name: mean for name, mean in means.items() if name not in references and not np.isnan(mean)}
     names = sorted(scored, key=scored.__getitem__, reverse=True)
     if not names:
         return []
@@ -201,14 +202,14 @@ def _compared(strata: Sequence[pd.DataFrame], label: Sequence[str], baselines: C
     ranks = rankdata([-scored[name] for name in names], method="min")
     intervals = rank_intervals([values[names].to_numpy() for values in strata], _generator(*label, "ranks"))
     best, baseline = names[0], next((name for name in names if name in baselines), None)
-    rows: list[_Row] = []
+    standing_rows: list[_Row] = []
     for i, (name, group) in enumerate(zip(names, tied_groups(ties), strict=True)):
         verdict = "best" if name == best else "tied" if ties[0, i] else "behind"
         to_best = pairs[name, best]
         against = [to_best.mean, to_best.low, to_best.high, to_best.p, *_interval(pairs, name, baseline)]
         standing = [ranks[i], *intervals[i], group, verdict, *against]
-        rows.append([*label, name, *standing])
-    return rows
+        standing_rows.append([*label, name, *standing])
+    return standing_rows
 
 
 def _interval(pairs: Mapping[tuple[str, str], Difference], name: str, other: str | None) -> tuple[float, float, float]:

@@ -28,7 +28,8 @@ def _explanations(episodes: int) -> list[str]:
     return [
         "FRR, the friction rejection ratio, is 1 where a compensator makes the joints move as if there were no "
         "friction, 0 where it is useless, below 0 where it does harm; 1 - FRR is what is left of friction's effect. "
-        "`none` (no compensation) and `ideal` (no friction) make its scale; references have no rank. Numbers are "
+        "`none` (no compensation) and `ideal` (nothing disturbs) make its scale. They, `bound` (the true disturbance, "
+        "late) and whoever else sees the truth are references, which have no rank. Numbers are "
         f"interquartile means over {episodes} episodes, with 95 % bootstrap intervals; those of the nominal variant "
         f"are one episode and its cloud, the same from starts {1e6 * CLOUD:g} um or urad beside it, so that no chance "
         "of its last digits ranks.\n",

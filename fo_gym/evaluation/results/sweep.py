@@ -125,7 +125,7 @@ class Plan:
 
     Args:
         grid: who is scored, with which gains.
-        sets: the episodes; `none` and `ideal` of each run once.
+        sets: the episodes; the references of each run once.
         jobs: number of workers, among which the sets of gains are spread; -1 = one per core.
 
     Attributes:

@@ -7,10 +7,11 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from fo_gym.evaluation.competitors.competitor import SUBMISSION, YOURS, Competitor
+from fo_gym.evaluation.competitors.competitor import REFERENCE, SUBMISSION, YOURS, Competitor
 from fo_gym.evaluation.results.leaderboard import leaderboard, overall
 from fo_gym.evaluation.results.ties import RELEVANT
 from fo_gym.evaluation.runs.episodes import OK, SET, label_of, place_of
+from fo_gym.evaluation.runs.provenance import is_reference
 from fo_gym.specs import BUILT_IN
 from fo_gym.text import MESSAGE_LIMIT, NAME_LIMIT, markdown_code, markdown_table, markdown_text, one_line
 
@@ -79,7 +80,7 @@ def _number(value: Any, form: str, factor: float = 1.0) -> str:
 
 
 def _verdict(row: pd.Series[Any]) -> str:
-    words = "reference" if row["compensator"] in BUILT_IN else row["verdict"]
+    words = "reference" if row["compensator"] in BUILT_IN or row["origin"] == REFERENCE else row["verdict"]
     note = "" if row["status"] == OK else one_line(f"{row['status']}: {row['error']}", MESSAGE_LIMIT)
     return "; ".join(str(part) for part in (words, note) if part and not pd.isna(part))
 
@@ -142,7 +143,7 @@ def finding(table: pd.DataFrame, variant: str) -> str:
     Raises:
         ValueError: the table has no such variant.
     """
-    rows = table[(table["variant"] == variant) & ~table["compensator"].isin(BUILT_IN)]
+    rows = table[(table["variant"] == variant) & ~is_reference(table)]
     if not len(rows):
         known = ", ".join(map(str, table["variant"].unique()))
         raise ValueError(f"the table has no variant {variant!r}; it has {known}")
@@ -187,7 +188,7 @@ def summary(table: pd.DataFrame) -> Ranking:
     Args:
         table: rows as `leaderboard` gives them.
     """
-    competitors = table[~table["compensator"].isin(BUILT_IN)]
+    competitors = table[~is_reference(table)]
     frr = competitors.pivot(index="compensator", columns=SET, values="frr")
     sets = list(table[SET].drop_duplicates().itertuples(index=False, name=None))
     mean = frr.mean(axis=1, skipna=False).sort_values(ascending=False, kind="stable", na_position="last")

@@ -11,9 +11,10 @@ import numpy as np
 import pandas as pd
 
 from fo_gym.checks import choice, only, shown, text, whole_number
-from fo_gym.compensators import Compensator, handed, has_learned
+from fo_gym.compensators import Compensator, handed
 from fo_gym.evaluation.competitors.entry import competitor_of
 from fo_gym.evaluation.episode.recording import References
+from fo_gym.evaluation.runs.bound import bound_of
 from fo_gym.evaluation.runs.episodes import EpisodeSet, references_of, rows
 from fo_gym.evaluation.runs.seeds import VALIDATION_SEEDS, seeds_for, usual_count
 from fo_gym.generators import seed_number
@@ -44,7 +45,12 @@ def check_arguments(env_id: Any, variant: Any, env_kwargs: Mapping[str, Any]) ->
     """
     text("env_id", env_id)
     choice("variant", variant, VARIANTS)
-    for fixed, why in (("feedback", "it is the compensator's"), ("action_mode", "estimates are scored")):
+    set_here = {
+        "feedback": "it is the compensator's",
+        "action_mode": "estimates are scored",
+        "disturbed": "the reference ideal is what runs undisturbed",
+    }
+    for fixed, why in set_here.items():
         if fixed in env_kwargs:
             raise ValueError(f"{fixed} cannot be chosen in an evaluation: {why}; leave it out")
     only("keyword argument", env_kwargs, [each.name for each in fields(Settings)])
@@ -76,6 +82,7 @@ def evaluate(
     Raises:
         CompensatorError: the compensator raised, or returned what is not a finite (num_envs, dof) array.
         ValueError, TypeError: an argument is not allowed.
+        FileNotFoundError: there is no such robot file.
     """
     check_arguments(env_id, variant, env_kwargs)
     with _playing(compensator, env_id, variant) as (name, instance, content):
@@ -83,7 +90,9 @@ def evaluate(
         recording = episodes.record(instance, name)  # first: what cannot run says so at once
     none, ideal = references_of(episodes)
     references = References(ideal.motions, none.motions)
-    table = rows(episodes, name, recording, references, learned=has_learned(instance))
+    if compensator == "bound":
+        recording = bound_of(episodes, references)
+    table = rows(episodes, name, recording, references, instance)
     return table.assign(competitor_hash=content)
 
 
