@@ -79,8 +79,8 @@ def entries(name: str, thing: Any, level: str = "##") -> Iterator[str]:
         yield f"```python\n{signature(name, thing)}\n```"
     yield markdown(thing.__doc__ or "")
     for method, value in vars(thing).items() if inspect.isclass(thing) else ():
-        if method.startswith("_"):
-            continue
+        if method.startswith("_") or any(hasattr(base, method) for base in thing.__mro__[1:]):
+            continue  # what it has from another class is told there
         function = getattr(value, "__func__", value)
         if inspect.isfunction(function):
             yield from entries(f"{name}.{method}", function, "###")

@@ -16,6 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Value = float | Array
+"""Of a parameter: one for all joints, or one for each."""
 
 _NOT_REALLY = bool | np.timedelta64
 """Classes that derive from integers, and are none."""
@@ -30,6 +32,7 @@ __all__ = [
     "POSITIVE",
     "POSITIVE_OR_INFINITE",
     "Bound",
+    "Value",
     "check_numbers",
     "check_ranges",
     "check_values",

@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.checks import POSITIVE, number
+from fo_gym.friction import FrictionLaw
 
 Array = NDArray[np.float64]
 PhysicsDt = float | Literal["auto"] | None
@@ -37,9 +38,6 @@ MAX_MICRO_STEPS = 10_000
 
 HEADROOM = 0.9
 """Share of the largest micro-step that "auto" takes, for other poses than the one it was chosen in."""
-
-UNDAMPED = 0.2
-"""A bristle whose sigma_1 is below this times sqrt(sigma_0 B), 0 included, counts as one with that much."""
 
 # What a joint's rate is called, the largest micro-step times that rate, and what else would help.
 LIMITS: dict[str, tuple[str, float, str]] = {
@@ -117,37 +115,27 @@ class StepAdvice:
     remedies: tuple[str, ...]
 
 
-def advise_steps(names: tuple[str, ...], parameters: Array, mobility: Array) -> StepAdvice:
+def advise_steps(
+    names: tuple[str, ...], joints: Array, mobility: Array, law: FrictionLaw, friction: NDArray[np.void]
+) -> StepAdvice:
     """The largest micro-step that follows each joint in all of n environments.
 
     Args:
         names: the joints.
-        parameters: (n, dof, 9), columns as in fo_gym.parameters.PARAMETERS.
+        joints: stiffness, damping and motor inertia, (n, dof, 3).
         mobility: (M^-1)_jj, (n, dof).
+        law: says what the states of friction ask for.
+        friction: its parameters, (n, dof), of its dtype.
     """
-    rates = _rates(parameters, mobility)
+    stiffness, damping, inertia = np.moveaxis(joints, -1, 0)
+    both = 1.0 / inertia + mobility
+    rates = {"spring": np.sqrt(stiffness * both), "spring_damping": damping * both, **law.rates(friction, inertia)}
     with np.errstate(divide="ignore"):  # what has no rate has no longest step
         longest = np.array([LIMITS[name][1] / rate.max(axis=0) for name, rate in rates.items()])
     worst = [list(rates)[row] for row in longest.argmin(axis=0)]
     highest = [rates[name][:, joint].max() for joint, name in enumerate(worst)]
     reasons = tuple(f"{LIMITS[name][0]} is {rate:.4g} 1/s" for name, rate in zip(worst, highest, strict=True))
     return StepAdvice(names, longest.min(axis=0), reasons, tuple(LIMITS[name][2] for name in worst))
-
-
-def _rates(parameters: Array, mobility: Array) -> dict[str, Array]:
-    """The rates that LIMITS bound, (n, dof) each [1/s]; without bristles sigma_1 plays no part."""
-    stiffness, damping, inertia, sigma_0, sigma_1, sigma_2, f_c, f_s, _ = np.moveaxis(parameters, -1, 0)
-    both, bristle = 1.0 / inertia + mobility, np.sqrt(sigma_0 / inertia)
-    ratio = np.divide(sigma_1, bristle * inertia, out=np.zeros_like(f_c), where=sigma_0 > 0.0)
-    excess = np.divide(f_s - f_c, f_c, out=np.zeros_like(f_c), where=f_c > 0.0)
-    return {
-        "spring": np.sqrt(stiffness * both),
-        "spring_damping": damping * both,
-        "bristle": bristle,
-        "ringing": bristle / np.maximum(UNDAMPED, ratio),
-        "friction_damping": (np.where(sigma_0 > 0.0, sigma_1, 0.0) + sigma_2) / inertia,
-        "stribeck": bristle * np.sqrt(excess),
-    }
 
 
 def auto_steps(advice: StepAdvice, control_dt: float) -> int:

@@ -7,25 +7,25 @@ A field takes a float (the same for all joints) or an array with one value per j
 from __future__ import annotations
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.checks import NOT_NEGATIVE, POSITIVE, check_numbers, check_values
+from fo_gym.checks import NOT_NEGATIVE, POSITIVE, Value, check_numbers, check_values
+from fo_gym.friction import FRICTIONLESS, LuGre
 
 Array = NDArray[np.float64]
-Value = float | Array
 Parameters = TypeVar("Parameters")
 
-PARAMETERS = ("stiffness", "damping", "motor_inertia", "sigma_0", "sigma_1", "sigma_2", "f_c", "f_s", "v_s")
+JOINT = ("stiffness", "damping", "motor_inertia")
 """Columns of `packed`."""
 
 __all__ = [
     "FRICTIONLESS",
-    "PARAMETERS",
+    "JOINT",
     "FlexibleJoint",
     "ImpedanceGains",
     "JointInfo",
@@ -41,9 +41,9 @@ __all__ = [
 
 
 def check_joints(parameters: Any, dof: int) -> None:
-    """Raise ValueError where a field has neither one value nor `dof` of them."""
+    """Raise ValueError where a field has neither one value nor `dof` of them; a tuple is the same for all joints."""
     for name, value in vars(parameters).items():
-        if np.shape(value) not in ((), (1,), (dof,)):
+        if not isinstance(value, tuple) and np.shape(value) not in ((), (1,), (dof,)):
             raise ValueError(
                 f"{type(parameters).__name__}.{name} has shape {np.shape(value)}; "
                 f"give one value for all joints or one for each of the {dof}"
@@ -53,7 +53,7 @@ def check_joints(parameters: Any, dof: int) -> None:
 def per_joint(parameters: Any, dof: int) -> Any:
     """The same parameters with every field as an array (dof,). Raises ValueError as `check_joints` does."""
     check_joints(parameters, dof)
-    return type(parameters)(**{name: np.broadcast_to(value, (dof,)) for name, value in vars(parameters).items()})
+    return _each(parameters, lambda value: np.broadcast_to(value, (dof,)))
 
 
 def stacked(parameters: Sequence[Parameters], **changes: Array) -> Parameters:
@@ -80,58 +80,13 @@ def part_of(parameters: Parameters, rows: slice) -> Parameters:
 
 def one_joint(parameters: Any) -> Any:
     """The parameters of a single joint with numbers for its arrays of one."""
-    return type(parameters)(**{name: float(np.asarray(value).item()) for name, value in vars(parameters).items()})
+    return _each(parameters, lambda value: float(np.asarray(value).item()))
 
 
-@dataclass(frozen=True, eq=False)
-class LuGre:
-    """LuGre friction on the motor side (Canudas de Wit et al. 1995); v = theta'.
-
-        z'    = v - sigma_0 |v| / g(v) z,   g(v) = f_c + (f_s - f_c) exp(-(v/v_s)^2)
-        tau_f = -(sigma_0 z + sigma_1 z' + sigma_2 v)      opposes motion in B theta'' + tau_j = tau_m + tau_f
-
-    Attributes:
-        sigma_0: bristle stiffness [N/m | N m/rad], at least 0; 0 leaves only viscous friction.
-        sigma_1: bristle damping [N s/m | N m s/rad], at least 0.
-        sigma_2: viscous coefficient [N s/m | N m s/rad], at least 0.
-        f_c: Coulomb friction [N | N m], at least 0, above 0 where sigma_0 is.
-        f_s: stiction [N | N m], at least f_c.
-        v_s: Stribeck velocity [m/s | rad/s], above 0.
-    """
-
-    sigma_0: Value
-    sigma_1: Value
-    sigma_2: Value
-    f_c: Value
-    f_s: Value
-    v_s: Value
-
-    def __post_init__(self) -> None:
-        not_negative = dict.fromkeys(("sigma_0", "sigma_1", "sigma_2", "f_c", "f_s"), NOT_NEGATIVE)
-        check_values(self, **not_negative, v_s=POSITIVE)
-        if np.any(np.asarray(self.f_s) < np.asarray(self.f_c)):
-            raise ValueError(
-                f"LuGre.f_s is {self.f_s}; stiction must be at least the Coulomb friction f_c = {self.f_c}"
-            )
-        if np.any((np.asarray(self.sigma_0) > 0) & (np.asarray(self.f_c) == 0)):
-            raise ValueError(
-                "LuGre.f_c is 0 where sigma_0 is above 0; give f_c > 0, or sigma_0 = 0 for no dry friction"
-            )
-
-    def steady(self, v: Value) -> Array:
-        """Friction torque tau_f at constant velocity v [m/s | rad/s], in N | N m; it opposes v."""
-        g = self.f_c + (self.f_s - self.f_c) * np.exp(-np.square(v / self.v_s))
-        return np.asarray(-(np.sign(v) * g * (np.asarray(self.sigma_0) > 0) + self.sigma_2 * np.asarray(v)))
-
-    def passivity_margin(self) -> Array:
-        """sigma_2 - sigma_1 (f_s - f_c) / f_c: above 0, a sufficient condition for the passivity of v -> -tau_f."""
-        f_c, f_s = np.broadcast_arrays(np.asarray(self.f_c, dtype=np.float64), self.f_s)
-        excess = np.divide(f_s - f_c, f_c, out=np.zeros_like(f_c), where=f_c > 0)
-        return np.asarray(self.sigma_2 - self.sigma_1 * excess)
-
-
-FRICTIONLESS = LuGre(sigma_0=0.0, sigma_1=0.0, sigma_2=0.0, f_c=0.0, f_s=0.0, v_s=1.0)
-"""No friction at all: what the reference competitor `ideal` runs on."""
+def _each(parameters: Any, change: Callable[[Any], Any]) -> Any:
+    """The same parameters, changed one by one; what is the same for all joints stays."""
+    new = {name: value if isinstance(value, tuple) else change(value) for name, value in vars(parameters).items()}
+    return type(parameters)(**new)
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,10 +109,10 @@ class FlexibleJoint:
         check_values(self, stiffness=POSITIVE, damping=NOT_NEGATIVE, motor_inertia=POSITIVE, torque_limit=POSITIVE)
 
 
-def packed(joints: FlexibleJoint, friction: LuGre, dof: int) -> Array:
-    """Motors, springs and friction as one array (dof, 9), columns as in PARAMETERS; errors as of `per_joint`."""
-    values = {**vars(per_joint(joints, dof)), **vars(per_joint(friction, dof))}
-    return np.stack([values[name] for name in PARAMETERS], axis=-1)
+def packed(joints: FlexibleJoint, dof: int) -> Array:
+    """Motors and springs as one array (dof, 3), columns as in JOINT; errors as of `per_joint`."""
+    values = vars(per_joint(joints, dof))
+    return np.stack([values[name] for name in JOINT], axis=-1)
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,6 @@ from typing import Any
 import numpy as np
 
 import fo_gym
-from fo_gym.parameters import PARAMETERS
 from fo_gym.robots import robot_of
 from fo_gym.simulation.settings import Settings
 from fo_gym.simulation.simulation import Simulation
@@ -89,13 +88,11 @@ class Account:
 
     def stored(self) -> np.ndarray:
         """Energy of links, springs, motors and bristles, (num_envs,) [J]."""
-        plant, columns = self.plant, self.plant._parameters
+        plant = self.plant
         inertia = plant.body.dense_inertia(plant.q)
         weight = self._model.body_mass * plant.body.mass_scale[:, None]
-        stiffness, sigma_0 = (columns[..., PARAMETERS.index(name)] for name in ("stiffness", "sigma_0"))
-        joints = (
-            stiffness * (plant.theta - plant.q) ** 2 + plant.motor_inertia * plant.theta_dot**2 + sigma_0 * plant.z**2
-        )
+        bristles = plant._friction["sigma_0"] * plant.z**2
+        joints = plant.stiffness * (plant.theta - plant.q) ** 2 + plant.motor_inertia * plant.theta_dot**2 + bristles
         links = np.einsum("ni,nij,nj->n", plant.q_dot, inertia, plant.q_dot)
         height = self._position.reshape(len(weight), -1, 3) @ self._model.opt.gravity
         return 0.5 * (links + joints.sum(axis=1)) - (weight * height).sum(axis=1)

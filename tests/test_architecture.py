@@ -25,6 +25,7 @@ TREES = {module: ast.parse(path.read_text(encoding="utf-8")) for module, path in
 # know each other.
 FLOW = (
     ("envs_assets", "fo_gym.checks", "fo_gym.extras", "fo_gym.instructions", "fo_gym.text", "fo_gym.toml"),
+    ("fo_gym.friction",),
     ("fo_gym.generators", "fo_gym.micro_steps", "fo_gym.modules", "fo_gym.parameters"),
     ("fo_gym.signals", "fo_gym.specs"),
     ("fo_gym.hardware",),
@@ -50,7 +51,16 @@ FLOW = (
 )
 LEVEL = {part: level for level, parts in enumerate(FLOW) for part in parts}
 # What plug-ins may build on: the package itself, and what its own parts share.
-PUBLIC = ("fo_gym", "fo_gym.checks", "fo_gym.console", "fo_gym.extras", "fo_gym.files", "fo_gym.hardware", "fo_gym.sb3")
+PUBLIC = (
+    "fo_gym",
+    "fo_gym.checks",
+    "fo_gym.console",
+    "fo_gym.extras",
+    "fo_gym.files",
+    "fo_gym.friction",
+    "fo_gym.hardware",
+    "fo_gym.sb3",
+)
 MODERN_RANDOM = {"Generator", "BitGenerator", "SeedSequence", "default_rng", "PCG64"}
 
 

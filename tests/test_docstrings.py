@@ -37,7 +37,8 @@ def taken(function: Callable[..., Any]) -> list[str]:
 def offers(name: str, thing: Any) -> Iterator[tuple[str, list[str], list[str]]]:
     """What has to be documented of it and of its public methods: where, the names, and the documented ones.
 
-    The only argument of a method is what its one sentence is about; what `Reference` asks for is documented there.
+    The only argument of a method is what its one sentence is about; what `Reference` asks for, or what a class has from
+    one that it derives from, is documented there.
     """
     if not inspect.isclass(thing):
         first = (thing.__doc__ or "").partition("\n\n    Args")[0]
@@ -50,6 +51,7 @@ def offers(name: str, thing: Any) -> Iterator[tuple[str, list[str], list[str]]]:
         yield name, taken(thing), said["Args"]
     members = [member for member in vars(Reference) if not member.startswith("_")]
     elsewhere = members if thing is not Reference and all(hasattr(thing, member) for member in members) else []
+    elsewhere += [member for base in thing.__mro__[1:] for member in vars(base)]
     for method, value in vars(thing).items():
         function = getattr(value, "__func__", value)
         if not method.startswith("_") and inspect.isfunction(function) and method not in elsewhere:

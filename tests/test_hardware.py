@@ -157,10 +157,10 @@ class TestJoint:
         for _ in range(3):
             tau_j = plant.tau_j.copy()
             env.step(np.zeros(7))
-            for name, column in (("f_c", 6), ("f_s", 7)):
+            for name in ("f_c", "f_s"):
                 expected = getattr(own, name) * np.exp(-0.01 * 15.0) + 0.2 * np.abs(tau_j[0])
-                np.testing.assert_allclose(plant._parameters[0, :, column], expected, rtol=1e-12)
-            np.testing.assert_allclose(plant._parameters[0, :, 5], own.sigma_2 * np.exp(-0.03 * 15.0), rtol=1e-12)
+                np.testing.assert_allclose(plant._friction[name][0], expected, rtol=1e-12)
+            np.testing.assert_allclose(plant._friction["sigma_2"][0], own.sigma_2 * np.exp(-0.03 * 15.0), rtol=1e-12)
 
     def test_link_friction_is_the_solvers(self):
         """The frictionless motor with a rough link, 0.4 s: control and damper are held over a period."""

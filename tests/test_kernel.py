@@ -7,9 +7,12 @@ import pytest
 from scipy.linalg import expm
 
 from fo_gym.certificate.experiments import PAPER, Joint, full_triangle
+from fo_gym.friction.bristle import bristle_step
+from fo_gym.friction.lugre import bristle_rate
 from fo_gym.micro_steps import DEFAULT_PHYSICS_DT as H
-from fo_gym.parameters import PARAMETERS
-from fo_gym.plant.kernel import STATE, advance, bristle_rate, bristle_step
+from fo_gym.parameters import JOINT, LuGre
+from fo_gym.plant.kernel import MOTION
+from fo_gym.plant.kernels import kernel_of
 
 # --- Stiction --------------------------------------------------------------------------------------------------------
 
@@ -52,9 +55,10 @@ def test_fast_sliding_keeps_to_the_steady_curve() -> None:
 @pytest.mark.parametrize("velocity", [1e-5, 1e-3, 2e-3, 0.1, -0.1, 80.0])
 def test_prescribed_velocity_reaches_the_steady_curve(velocity: float) -> None:
     z = 0.0
-    a = bristle_rate(velocity, PAPER["sigma_0"], PAPER["f_c"], PAPER["f_s"], PAPER["v_s"])
+    law = LuGre(**PAPER)
+    a = bristle_rate(velocity, law)
     for _ in range(int(40.0 / min(a * H, 1.0))):
-        z, tau_f = bristle_step(z, velocity, a, H, PAPER["sigma_0"], PAPER["sigma_1"], PAPER["sigma_2"])
+        z, tau_f = bristle_step(z, velocity, a, H, law)
     g = 1.0 + 0.5 * np.exp(-((velocity / 1e-3) ** 2))
     assert tau_f == pytest.approx(-np.sign(velocity) * g - 0.4 * velocity, rel=1e-12)
 
@@ -73,7 +77,7 @@ def driven(**changed: float) -> np.ndarray:
     return motion
 
 
-@pytest.mark.parametrize("name", PARAMETERS)
+@pytest.mark.parametrize("name", NOMINAL)
 def test_every_parameter_matters(name: str) -> None:
     """Ten per cent more of any of them bends half a second of motion by more than a part in 1e5."""
     base = driven()
@@ -86,14 +90,19 @@ def random_batch(num_envs: int, dof: int) -> dict[str, np.ndarray]:
     scale = np.array([1e-2, 0.1, 1e-2, 0.1, 1e-6])[:, None, None]
     root = generator.normal(size=(num_envs, dof, dof))
     inertia = root @ root.transpose(0, 2, 1) + dof * np.eye(dof)
-    spread = generator.uniform(0.5, 2.0, size=(num_envs, dof, len(PARAMETERS)))
+    spread = generator.uniform(0.5, 2.0, size=(num_envs, dof, len(NOMINAL)))
+    values = dict(zip(NOMINAL, np.moveaxis(spread * list(NOMINAL.values()), -1, 0), strict=True))
+    friction = np.empty((num_envs, dof), LuGre(**PAPER).dtype)
+    for name in PAPER:
+        friction[name] = values[name]
     return {
-        "state": scale * generator.normal(size=(len(STATE), num_envs, dof)),
+        "state": scale * generator.normal(size=(len(MOTION) + 1, num_envs, dof)),
         "tau_m": generator.normal(size=(num_envs, dof)),
         "load": generator.normal(size=(num_envs, dof)),
         "damping": generator.uniform(0.0, 2.0, size=(num_envs, dof)),
         "inertia": inertia[:, *np.tril_indices(dof)],
-        "parameters": spread * [NOMINAL[name] for name in PARAMETERS],
+        "joints": np.stack([values[name] for name in JOINT], axis=-1),
+        "friction": friction,
     }
 
 
@@ -101,7 +110,8 @@ def advance_batch(batch: dict[str, np.ndarray], h: float = H) -> tuple[np.ndarra
     """State and mean friction after 10 ms."""
     state, tau_f = batch["state"].copy(), np.zeros_like(batch["tau_m"])
     links = batch["load"], batch["damping"], batch["inertia"], *full_triangle(tau_f.shape[1])
-    advance(state, batch["tau_m"], *links, batch["parameters"], h, round(1e-2 / h), tau_f)
+    parameters = batch["joints"], batch["friction"]
+    kernel_of(LuGre(**PAPER))(state, batch["tau_m"], *links, *parameters, h, round(1e-2 / h), tau_f)
     return state, tau_f
 
 
@@ -127,13 +137,15 @@ def test_order_of_the_batch_does_not_matter() -> None:
     np.testing.assert_array_equal(friction, tau_f[order])
 
 
-@pytest.mark.parametrize("broken", ["state", "tau_m", "load", "damping", "inertia", "parameters"])
+@pytest.mark.parametrize("broken", ["state", "tau_m", "load", "damping", "inertia", "joints", "friction"])
 def test_lost_neighbours_do_not_matter(broken: str) -> None:
     """NaN anywhere in environments 0 and 4 stays there."""
     batch = random_batch(num_envs=5, dof=3)
     state, tau_f = advance_batch(batch)
     lost = {name: value.copy() for name, value in batch.items()}
     environments = lost["state"].swapaxes(0, 1) if broken == "state" else lost[broken]
+    if broken == "friction":
+        environments = environments.view("f8").reshape(*environments.shape, -1)
     environments[[0, 4]] = np.nan
     after, friction = advance_batch(lost)
     np.testing.assert_array_equal(after[:, 1:4], state[:, 1:4])
@@ -144,11 +156,12 @@ def test_lost_neighbours_do_not_matter(broken: str) -> None:
 def test_coupled_links_follow_the_exact_solution() -> None:
     """Three frictionless joints on links that share a full inertia matrix, with dampers to the world: linear, exact."""
     batch = random_batch(num_envs=4, dof=3)
-    batch["parameters"][..., 3:8] = 0.0
+    for name in set(PAPER) - {"v_s"}:
+        batch["friction"][name] = 0.0
     state, tau_f = advance_batch(batch, h=2e-5)
     zero, one = np.zeros((3, 3)), np.eye(3)
     for i in range(4):
-        stiffness, damping, motor = batch["parameters"][i, :, :3].T
+        stiffness, damping, motor = batch["joints"][i].T
         inertia = np.zeros((3, 3))
         inertia[np.tril_indices(3)] = batch["inertia"][i]
         inverse = np.linalg.inv(inertia + np.tril(inertia, -1).T)
@@ -174,7 +187,7 @@ def test_a_damper_of_any_strength_only_takes() -> None:
     """A free link that it brings to rest within a micro-step is not thrown back any faster than it came."""
     batch = random_batch(num_envs=4, dof=1)
     batch["damping"] *= 1e6
-    batch["parameters"][..., :2] = 0.0  # no springs
+    batch["joints"][..., :2] = 0.0  # no springs
     batch["load"][:] = 0.0
     speed = np.abs(batch["state"][1])
     for _ in range(5):

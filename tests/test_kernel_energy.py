@@ -9,9 +9,10 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from fo_gym.certificate.experiments import Joint
+from fo_gym.friction.bristle import bristle_mean, bristle_step
+from fo_gym.friction.lugre import bristle_rate
 from fo_gym.micro_steps import DEFAULT_PHYSICS_DT as H
-from fo_gym.parameters import PARAMETERS
-from fo_gym.plant.kernel import bristle_mean, bristle_rate, bristle_step
+from fo_gym.parameters import JOINT, LuGre
 
 NO_FRICTION = {"sigma_0": 0.0, "sigma_1": 0.0, "sigma_2": 0.0, "f_c": 0.0, "f_s": 0.0, "v_s": 1.0}
 
@@ -46,8 +47,9 @@ bristles = {
 def test_bristle_relaxes_without_overshoot(sigma_0, f_c, ratio, v_s, v, part, h) -> None:
     """The exact bristle nears v/a from one side; so does the step at any sigma_0 |v| h; |z| stays in f_s/sigma_0."""
     z = part * ratio * f_c / sigma_0
-    a = bristle_rate(v, sigma_0, f_c, ratio * f_c, v_s)
-    after, _ = bristle_step(z, v, a, h, sigma_0, 0.0, 0.0)
+    law = LuGre(sigma_0, 0.0, 0.0, f_c, ratio * f_c, v_s)
+    a = bristle_rate(v, law)
+    after, _ = bristle_step(z, v, a, h, law)
     rounding = 1e-12 * ratio * f_c / sigma_0 + 1e-15 * h * abs(v)
     low, high = sorted([z, v / a])
     assert low - rounding <= after <= high + rounding
@@ -59,8 +61,8 @@ def test_bristle_relaxes_without_overshoot(sigma_0, f_c, ratio, v_s, v, part, h)
 def test_bristle_stores_no_more_than_it_is_given(sigma_0, f_c, ratio, v_s, v, part, h) -> None:
     """Passivity of the bristle spring, step by step: d(sigma_0 z^2 / 2) <= -tau_f v h, from any deflection."""
     z = 10.0 * part * ratio * f_c / sigma_0
-    a = bristle_rate(v, sigma_0, f_c, ratio * f_c, v_s)
-    after, tau_f = bristle_step(z, v, a, h, sigma_0, 0.0, 0.0)
+    law = LuGre(sigma_0, 0.0, 0.0, f_c, ratio * f_c, v_s)
+    after, tau_f = bristle_step(z, v, bristle_rate(v, law), h, law)
     stored, given_ = 0.5 * sigma_0 * (after**2 - z**2), -tau_f * v * h
     assert stored <= given_ + 1e-12 * (sigma_0 * z**2 + abs(given_))
 
@@ -116,7 +118,7 @@ def test_motor_is_stable(inertia, sigma_0, damping, f_c, ratio, v_s, part, v, dr
 
 def energy(joint: Joint) -> float:
     """Kinetic, spring and bristle energy of two unit masses."""
-    spring, bristle = joint.parameters[0, 0, PARAMETERS.index("stiffness")], joint.parameters[0, 0, 3]
+    spring, bristle = joint.joints[0, 0, JOINT.index("stiffness")], joint.friction["sigma_0"].item()
     kinetic = 0.5 * joint.q_dot**2 + 0.5 * joint.theta_dot**2
     return kinetic + 0.5 * spring * (joint.theta - joint.q) ** 2 + 0.5 * bristle * joint.z**2
 

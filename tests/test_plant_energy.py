@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from energy_search import CASES, Account, search
 
-from fo_gym.parameters import PARAMETERS
 from fo_gym.simulation.settings import Settings
 from fo_gym.simulation.simulation import Simulation
 from fo_gym.tasks.stiction import stiction
@@ -19,7 +18,7 @@ def swing(sigma_2: float) -> float:
     """Largest rise in half a second of a wave on the single link, with that viscous friction."""
     simulation = Simulation("single_link", stiction, 1, Settings(action_mode="torque"))
     simulation.reset(np.array([0]), [np.random.default_rng(0)])
-    simulation.plant._parameters[..., PARAMETERS.index("sigma_2")] = sigma_2
+    simulation.plant._friction["sigma_2"] = sigma_2
     account, worst = Account(simulation), 0.0
     account.begin(np.array([0]))
     for k in range(500):

@@ -158,7 +158,7 @@ def test_a_batch_is_not_larger_than_memory_and_workers_ask() -> None:
         .together
         for seeds, jobs in ((1, 1), (1, 4), (20, 1), (500, 1))
     }
-    assert sizes == {(1, 1): 12, (1, 4): 3, (20, 1): 3, (500, 1): 1}
+    assert sizes == {(1, 1): 12, (1, 4): 3, (20, 1): 1, (500, 1): 1}
     assert Contest(EpisodeSet(STICTION, "nominal", (1,), {}), ()).together == 1
 
 

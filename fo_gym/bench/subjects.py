@@ -50,7 +50,7 @@ __all__ = [
 def _actions(simulation: Simulation) -> Array:
     """One wrong friction estimate for each joint, (num_envs, dof), up to twice Coulomb's: some stick, some slide."""
     shape = (simulation.num_envs, simulation.dof)
-    return np.random.default_rng(0).uniform(-2.0, 2.0, shape) * simulation.robot.friction.f_c
+    return np.random.default_rng(0).uniform(-2.0, 2.0, shape) * simulation.robot.friction.level("coulomb")
 
 
 def _held(env: Any, ours: JointEnv | JointVectorEnv, action: Array) -> Subject:
@@ -74,7 +74,7 @@ def _twin(simulation: Simulation) -> Subject:
     batch.bind("qpos")[:] = np.concatenate([plant.q, plant.theta], axis=1)
     batch.bind("qvel")[:] = np.concatenate([plant.q_dot, plant.theta_dot], axis=1)
     batch.bind("act")[:] = plant.z
-    batch.bind("ctrl")[:] = simulation.tau_m
+    batch.bind("ctrl")[:] = simulation.past.tau_m
     start = batch.state.copy()
     steps = round(simulation.settings.control_dt / TWIN_TIMESTEP)
     return Subject(call=partial(batch.step, nstep=steps), prepare=partial(np.copyto, batch.state, start))

@@ -12,9 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.friction import FrictionLaw
+from fo_gym.friction.bristle import bristle_step
+from fo_gym.friction.lugre import bristle_rate
 from fo_gym.micro_steps import DEFAULT_PHYSICS_DT, micro_steps
-from fo_gym.parameters import PARAMETERS
-from fo_gym.plant.kernel import STATE, advance, bristle_rate, bristle_step
+from fo_gym.parameters import JOINT, LuGre
+from fo_gym.plant.kernel import MOTION
+from fo_gym.plant.kernels import kernel_of
 
 Array = NDArray[np.float64]
 
@@ -49,33 +53,39 @@ def full_triangle(dof: int) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArr
 class Joint:
     """One motor on the kernel, with a link of `mass` behind a spring; without `stiffness` the motor is alone.
 
-    Its state is read by the names of STATE: q, q_dot, theta, theta_dot, z.
+    Its state is read by the names q, q_dot, theta, theta_dot, and z where friction has one state; `states` are all.
 
     Args:
         mass: of the link [kg].
-        parameters: by the names of PARAMETERS; by default a motor of 1 kg with friction PAPER, and no spring.
+        friction: of the motor; None for LuGre with PAPER, and those of `parameters` that are its.
+        parameters: of `FlexibleJoint`, by default a motor of 1 kg and no spring.
     """
 
-    def __init__(self, mass: float = 1.0, **parameters: float) -> None:
-        values = {"stiffness": 0.0, "damping": 0.0, "motor_inertia": 1.0, **PAPER, **parameters}
-        self.parameters = np.array([[[values[name] for name in PARAMETERS]]])
+    def __init__(self, mass: float = 1.0, friction: FrictionLaw | None = None, **parameters: float) -> None:
+        if friction is None:
+            friction = LuGre(**{name: parameters.pop(name, value) for name, value in PAPER.items()})
+        values = {"stiffness": 0.0, "damping": 0.0, "motor_inertia": 1.0, **parameters}
+        self.joints = np.array([[[values[name] for name in JOINT]]])
+        self.friction = friction.packed(1)[None]
         self.inertia = np.array([[mass]])
-        self.state = np.zeros((len(STATE), 1, 1))
+        self.state = np.zeros((len(MOTION) + friction.states, 1, 1))
+        self.states = self.state[len(MOTION) :, 0, 0]
+        self._advance = kernel_of(friction)
         self._layout, self._tau_f = full_triangle(1), np.zeros((1, 1))
 
     def __getattr__(self, name: str) -> float:
-        return float(self.state[STATE.index(name)].item())
+        return float(self.state[(*MOTION, "z").index(name)].item())
 
     def put(self, **values: float) -> Joint:
         """Set parts of the state by name [m, m/s]; returns the joint itself."""
         for name, value in values.items():
-            self.state[STATE.index(name)] = value
+            self.state[(*MOTION, "z").index(name)] = value
         return self
 
     def advance(self, tau_m: float = 0.0, steps: int = 1, h: float = DEFAULT_PHYSICS_DT, tau_ext: float = 0.0) -> float:
         """Take `steps` micro-steps of h seconds under held forces [N]; returns the mean tau_f over them [N]."""
         drive, link = np.array([[tau_m]]), (np.array([[tau_ext]]), np.zeros((1, 1)), self.inertia, *self._layout)
-        advance(self.state, drive, *link, self.parameters, h, steps, self._tau_f)
+        self._advance(self.state, drive, *link, self.joints, self.friction, h, steps, self._tau_f)
         return float(self._tau_f.item())
 
 
@@ -139,14 +149,14 @@ def presliding(physics_dt: float | None = None) -> Trace:
 def frictional_lag(omega: float, physics_dt: float | None = None) -> Lag:
     """The last of four periods of v = 1e-3 (1.5 + cos(omega t)), omega in rad/s, one value per micro-step."""
     h = physics_dt or DEFAULT_PHYSICS_DT
-    sigma_0, sigma_1, sigma_2, f_c, f_s, v_s = PAPER.values()
+    friction = LuGre(**PAPER)
     per_period = round(2 * np.pi / omega / h)
     velocity = 1e-3 * (1.5 + np.cos(2 * np.pi * (np.arange(4 * per_period) + 0.5) / per_period))
-    z, friction = 0.0, np.zeros_like(velocity)
+    z, force = 0.0, np.zeros_like(velocity)
     for k, v in enumerate(velocity):
-        z, tau_f = bristle_step(z, v, bristle_rate(v, sigma_0, f_c, f_s, v_s), h, sigma_0, sigma_1, sigma_2)
-        friction[k] = -tau_f
-    return Lag(velocity[-per_period:], friction[-per_period:])
+        z, tau_f = bristle_step(z, v, bristle_rate(v, friction), h, friction)
+        force[k] = -tau_f
+    return Lag(velocity[-per_period:], force[-per_period:])
 
 
 def break_away(rate: float, physics_dt: float | None = None) -> Trace:

@@ -54,7 +54,7 @@ def run_inspect(
 
     robot = _robot(file, joints, tool, home)
     title = f"{robot.name}: tool {robot.tool or 'none'}, redundant {', '.join(robot.redundant) or 'none'}"
-    console.print(text_table(title, _HEADINGS, _rows(robot)))
+    console.print(text_table(title, [*_HEADINGS, *_levels(robot).values()], _rows(robot)))
     say(str(robot.report))
     say(str(robot.advice(robot.pd_gains or designed_pd(robot))))
     if picture is not None:
@@ -114,7 +114,13 @@ def _telling() -> Iterator[None]:
         raise Stop(str(error)) from error
 
 
-_HEADINGS = ["joint", "unit", "home", "range", "B", "K_j", "D_j", "limit", "f_c", "f_s", "sigma_2", "v_s"]
+_HEADINGS = ["joint", "unit", "home", "range", "B", "K_j", "D_j", "limit"]
+
+
+def _levels(robot: Robot) -> dict[str, str]:
+    """The levels of its friction that are shown, and what its law calls them."""
+    levels = {name: getattr(robot.friction.levels, name) for name in ("coulomb", "stiction", "viscous", "stribeck")}
+    return {name: called for name, called in levels.items() if called}
 
 
 def _rows(robot: Robot) -> list[list[str]]:
@@ -127,7 +133,7 @@ def _rows(robot: Robot) -> list[list[str]]:
     flexible, friction = robot.flexible, robot.friction
     numbers = (
         *(flexible.motor_inertia, flexible.stiffness, flexible.damping, flexible.torque_limit),
-        *(friction.f_c, friction.f_s, friction.sigma_2, friction.v_s),
+        *(friction.level(level) for level in _levels(robot)),
     )
     return [
         [

@@ -98,7 +98,7 @@ class HardwareModel:
         """How the joints are now: copies, which nobody writes into."""
         state, tau_j = self.plant.snapshot(), self.plant.tau_j
         state.flags.writeable = tau_j.flags.writeable = False
-        q, q_dot, theta, theta_dot, _ = state
+        q, q_dot, theta, theta_dot = state[:4]
         return Truth(q, q_dot, theta, theta_dot, tau_j)
 
     def _now(self) -> Truth:

@@ -1,19 +1,22 @@
-"""Flexible joints with LuGre friction on a robot: one control period of the whole plant, batched."""
+"""Flexible joints with friction on a robot: one control period of the whole plant, batched."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import Any
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.checks import NOT_NEGATIVE, POSITIVE, instance, number, real, real_array, shown, whole_number
+from fo_gym.checks import POSITIVE, instance, number, real, real_array, shown, whole_number
+from fo_gym.friction import FrictionLaw
 from fo_gym.micro_steps import PhysicsDt, StepAdvice, advise_steps, auto_steps, check_steps, is_auto, micro_steps
-from fo_gym.parameters import PARAMETERS, FlexibleJoint, LuGre, packed
-from fo_gym.plant.kernel import STATE, advance, predict, spring_torque
+from fo_gym.parameters import JOINT, FlexibleJoint, check_joints, packed
+from fo_gym.plant.kernel import MOTION, predict, spring_torque
+from fo_gym.plant.kernels import kernel_of
 from fo_gym.plant.rigid_body import RigidBody
+from fo_gym.plant.state import PlantState
 from fo_gym.plant.twin import twin_model
 from fo_gym.robots import LinkSide
 
@@ -22,34 +25,11 @@ Array = NDArray[np.float64]
 MAX_ENVS = 100_000
 """Size of a batch at most: half a gigabyte for an arm of seven joints."""
 
-_FRICTION = [PARAMETERS.index(name) for name in ("sigma_2", "f_c", "f_s")]
-
-__all__ = ["MAX_ENVS", "FlexibleJointPlant", "PlantState"]
-
-
-@dataclass
-class PlantState:
-    """The full state of a plant, bristles included.
-
-    Attributes:
-        q, q_dot: links, (num_envs, dof), m and m/s | rad and rad/s.
-        theta, theta_dot: motors, (num_envs, dof), m and m/s | rad and rad/s.
-        z: bristle deflections, (num_envs, dof), m | rad.
-        q_dot_before: link velocities one control period ago, (num_envs, dof), m/s | rad/s.
-        time: (num_envs,), s.
-    """
-
-    q: Array
-    q_dot: Array
-    theta: Array
-    theta_dot: Array
-    z: Array
-    q_dot_before: Array
-    time: Array
+__all__ = ["MAX_ENVS", "FlexibleJointPlant"]
 
 
 class FlexibleJointPlant:
-    """The batched plant: MuJoCo for the links, the joint kernel for motors, springs and bristles.
+    """The batched plant: MuJoCo for the links, the joint kernel for motors, springs and friction.
 
         M(q) q'' + C(q,q') q' + g(q) = tau_j + tau_ext
         B theta'' + tau_j            = tau_m + tau_f
@@ -62,7 +42,7 @@ class FlexibleJointPlant:
         link_side: the links.
         num_envs: size of the batch, at most MAX_ENVS.
         joints: motor and spring of every joint.
-        friction: LuGre parameters of every joint.
+        friction: of every joint; its law, and the number of that law's states, are the plant's from then on.
         control_dt: control period [s].
         physics_dt: micro-step [s]; None means min(2e-4, control_dt); it must divide control_dt; "auto" takes the
             longest that follows `joints` and `friction` in the pose of the file, see `fo_gym.micro_steps`.
@@ -77,25 +57,27 @@ class FlexibleJointPlant:
         num_envs: int,
         *,
         joints: FlexibleJoint,
-        friction: LuGre,
+        friction: FrictionLaw,
         control_dt: float = 1e-3,
         physics_dt: PhysicsDt = None,
     ) -> None:
         instance("link_side", link_side, LinkSide)
         instance("joints", joints, FlexibleJoint)
-        instance("friction", friction, LuGre)
+        instance("friction", friction, FrictionLaw)
         self.link_side = link_side
         self.dof = link_side.dof
         self.num_envs = whole_number("num_envs", num_envs, 1, MAX_ENVS)
         self.control_dt = control_dt
         self.body = RigidBody(link_side, num_envs)
         shape = (num_envs, self.dof)
-        self._parameters = np.empty((*shape, len(PARAMETERS)))
-        self._friction = np.empty((*shape, len(_FRICTION)))
-        self._state = np.zeros((len(STATE), *shape))
+        self._law = friction
+        self._joints = np.empty((*shape, len(JOINT)))
+        self._friction = np.empty(shape, friction.dtype)
+        self._own_friction = self._friction.copy()
+        self._state = np.zeros((len(MOTION) + friction.states, *shape))
         self._q_dot_before = np.zeros(shape)
         self._ticks = np.zeros(num_envs, dtype=np.int64)
-        self.q, self.q_dot, self.theta, self.theta_dot, self.z = self._state
+        self._look_up()
         self.tau_f = np.zeros(shape)
         """Mean friction torque over the past control period, (num_envs, dof), N or N m."""
         self.link_damping = np.zeros(shape)
@@ -110,10 +92,20 @@ class FlexibleJointPlant:
         self.physics_dt = control_dt / self.steps
         self.reset(everyone, home)
 
+    def _look_up(self) -> None:
+        """Name the parts of the state, and find the kernel of the law."""
+        self.q, self.q_dot, self.theta, self.theta_dot = self._state[: len(MOTION)]
+        states = self._state[len(MOTION) :]
+        self.z = states[0] if len(states) == 1 else np.moveaxis(states, 0, -1)
+        self._advance = kernel_of(self._law)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "_advance"}
+
     def __setstate__(self, state: dict[str, Any]) -> None:
         # Pickling turns views into copies: make them views of the one state array again.
         self.__dict__.update(state)
-        self.q, self.q_dot, self.theta, self.theta_dot, self.z = self._state
+        self._look_up()
 
     @property
     def time(self) -> Array:
@@ -123,36 +115,55 @@ class FlexibleJointPlant:
     @property
     def stiffness(self) -> Array:
         """K_j of every joint, (num_envs, dof), N/m or N m/rad."""
-        return self._parameters[..., PARAMETERS.index("stiffness")]
+        return self._joints[..., JOINT.index("stiffness")]
 
     @property
     def motor_inertia(self) -> Array:
         """B of every joint, (num_envs, dof), kg or kg m^2."""
-        return self._parameters[..., PARAMETERS.index("motor_inertia")]
+        return self._joints[..., JOINT.index("motor_inertia")]
 
     def configure(
-        self, ids: NDArray[np.intp], *, joints: FlexibleJoint, friction: LuGre, mass_scale: float = 1.0
+        self, ids: NDArray[np.intp], *, joints: FlexibleJoint, friction: FrictionLaw, mass_scale: float = 1.0
     ) -> None:
-        """Give the named environments these parameters; `mass_scale` multiplies the masses of the file."""
-        self._parameters[ids] = packed(joints, friction, self.dof)
-        self._friction[ids] = self._parameters[ids][..., _FRICTION]
+        """Give the named environments these parameters; `mass_scale` multiplies the masses of the file.
+
+        Raises:
+            ValueError: the friction is of another law than the plant's.
+        """
+        self._check_law(friction)
+        self._joints[ids] = packed(joints, self.dof)
+        self._friction[ids] = self._own_friction[ids] = friction.packed(self.dof)
         self.body.scale_mass(np.full(len(ids), number("mass scale", mass_scale, POSITIVE)), ids)
 
-    def vary_friction(self, dry: Array | float, added: Array | float, viscous: Array | float) -> None:
-        """Friction from now on: f_c and f_s of `configure` times `dry` plus `added`, its sigma_2 times `viscous`.
+    def _check_law(self, friction: FrictionLaw) -> None:
+        """Raise ValueError where friction is not of the plant's law, or for another number of joints."""
+        instance("friction", friction, FrictionLaw)
+        check_joints(friction, self.dof)
+        if type(friction) is not type(self._law) or friction.dtype != self._law.dtype:
+            raise ValueError(
+                f"friction is {shown(friction)}; this plant's law is {type(self._law).__name__} with "
+                f"{self._law.states} state(s): make another plant for another law"
+            )
+
+    def vary_friction(
+        self, dry: Array | float, added: Array | float, viscous: Array | float, stiction: Array | float = 0.0
+    ) -> None:
+        """Friction from now on: that of `configure` with its levels changed, as the law has them.
 
         Args:
-            dry, viscous: factors, (num_envs, dof) or numbers.
-            added: [N | N m], likewise.
+            dry: factor on Coulomb friction and stiction, (num_envs, dof) or a number.
+            added: what is then added to both [N | N m], likewise.
+            viscous: factor on viscous friction, likewise.
+            stiction: what is added to stiction alone [N | N m], likewise.
         """
-        own = self._friction
-        values = (viscous * own[..., 0], dry * own[..., 1] + added, dry * own[..., 2] + added)
-        for column, value in zip(_FRICTION, values, strict=True):
-            self._parameters[..., column] = value
+        type(self._law).vary(self._own_friction, self._friction, dry, added, stiction, viscous)
 
     def advise(self, ids: NDArray[np.intp], q: Array) -> StepAdvice:
         """The largest micro-step that follows each joint in all of the named environments at q (n, dof), and why."""
-        return advise_steps(self.link_side.joints, self._parameters[ids], self.body.mobility(q, ids))
+        return self._advised(ids, self.body.mobility(q, ids))
+
+    def _advised(self, ids: NDArray[np.intp], mobility: Array) -> StepAdvice:
+        return advise_steps(self.link_side.joints, self._joints[ids], mobility, self._law, self._friction[ids])
 
     def reset(self, ids: NDArray[np.intp], q: Array) -> None:
         """Put the named environments at rest at q (n, dof), in static equilibrium: theta = q + K_j^-1 g(q), z = 0.
@@ -164,11 +175,7 @@ class FlexibleJointPlant:
         shape = len(ids), self.dof
         q = np.broadcast_to(real_array("q", q, shape if q.ndim > 1 else shape[1:]), shape)
         mobility = self.body.mobility(q, ids)
-        check_steps(
-            advise_steps(self.link_side.joints, self._parameters[ids], mobility),
-            physics_dt=self.physics_dt,
-            control_dt=self.control_dt,
-        )
+        check_steps(self._advised(ids, mobility), physics_dt=self.physics_dt, control_dt=self.control_dt)
         self._state[:, ids] = 0.0
         self._q_dot_before[ids] = 0.0
         self.q[ids] = q
@@ -179,13 +186,13 @@ class FlexibleJointPlant:
     @property
     def damping(self) -> Array:
         """D_j of every joint, (num_envs, dof), N s/m or N m s/rad."""
-        return self._parameters[..., PARAMETERS.index("damping")]
+        return self._joints[..., JOINT.index("damping")]
 
     @property
     def tau_j(self) -> Array:
         """What the torque sensors measure, K_j (theta - q) + D_j (theta' - q'), (num_envs, dof), N or N m."""
         tau_j = np.empty_like(self.q)
-        spring_torque(self._state, self._parameters, tau_j)
+        spring_torque(self._state, self._joints, tau_j)
         return tau_j
 
     def step(self, tau_m: Array, tau_ext: Array) -> None:
@@ -201,7 +208,8 @@ class FlexibleJointPlant:
         predict(self._state, self._q_dot_before, self.control_dt, *self.body.inputs)
         inertia, bias = self.body.forward()
         links = tau_ext - bias, self.link_damping + self.body.damping, inertia, *self.body.layout
-        advance(self._state, tau_m, *links, self._parameters, self.physics_dt, self.steps, self.tau_f)
+        parameters = self._joints, self._friction
+        self._advance(self._state, tau_m, *links, *parameters, self.physics_dt, self.steps, self.tau_f)
         self._ticks += 1
 
     @property
@@ -211,7 +219,7 @@ class FlexibleJointPlant:
 
     @property
     def motion(self) -> Array:
-        """The motion as one array, (5, num_envs, dof), rows as in the kernel's STATE; not a copy."""
+        """The motion as one array, (4 + states, num_envs, dof), rows as in the kernel's MOTION; not a copy."""
         return self._state
 
     def snapshot(self) -> Array:
@@ -226,20 +234,13 @@ class FlexibleJointPlant:
 
     def get_state(self) -> PlantState:
         """A copy of the full state."""
-        q, q_dot, theta, theta_dot, z = self._state.copy()
-        return PlantState(q, q_dot, theta, theta_dot, z, self._q_dot_before.copy(), self.time)
+        q, q_dot, theta, theta_dot = self._state[: len(MOTION)].copy()
+        return PlantState(q, q_dot, theta, theta_dot, self.z.copy(), self._q_dot_before.copy(), self.time)
 
     def check_state(self, state: PlantState) -> None:
         """Raise ValueError where `state` is none of this plant, naming the field."""
         instance("state", state, PlantState)
-        for name in (*STATE, "q_dot_before"):
-            real_array(f"PlantState.{name}", getattr(state, name), self.q.shape)
-        time = real_array("PlantState.time", state.time, (self.num_envs,), NOT_NEGATIVE)
-        if not np.allclose(np.rint(time / self.control_dt) * self.control_dt, time, rtol=1e-9, atol=1e-9):
-            raise ValueError(
-                f"PlantState.time is {shown(time)} s; these are no whole control periods of {self.control_dt:g} s: "
-                "make the plant with the control_dt of the one that gave the state"
-            )
+        state.check(self.q.shape, self.z.shape, self.control_dt)
 
     def set_state(self, state: PlantState) -> None:
         """Continue from a copy of `state`, exactly.
@@ -248,8 +249,8 @@ class FlexibleJointPlant:
             ValueError: an array has the wrong shape, or does not hold finite real numbers; nothing has changed then.
         """
         self.check_state(state)
-        for name, own in zip(STATE, self._state, strict=True):
-            own[:] = getattr(state, name)
+        for name in (*MOTION, "z"):
+            getattr(self, name)[:] = getattr(state, name)
         self._q_dot_before[:] = state.q_dot_before
         self._ticks[:] = np.rint(np.asarray(state.time) / self.control_dt).astype(np.int64)
 
@@ -268,11 +269,14 @@ class FlexibleJointPlant:
             integrator: "euler", "implicit", "implicitfast" or "rk4".
 
         Raises:
-            ValueError: no such environment or integrator, or a time step that is not above 0.
+            ValueError: no such environment or integrator, a time step that is not above 0, or a law that MuJoCo lacks.
         """
         env = whole_number("env", env, 0, self.num_envs - 1)
-        values = dict(zip(PARAMETERS, self._parameters[env].T, strict=True))
-        model = twin_model(self.link_side, values, self.body.mass_scale[env], timestep, integrator)
+        values = {name: self._friction[env][name] for name in self._friction.dtype.names or ()}
+        now = {name: value for name, value in values.items() if value.ndim == 1}  # what is the same for all stays
+        friction = replace(self._law, **now)  # type: ignore[type-var]
+        joints = dict(zip(JOINT, self._joints[env].T, strict=True))
+        model = twin_model(self.link_side, joints, friction, self.body.mass_scale[env], timestep, integrator)
         data = mujoco.MjData(model)
         data.qpos[:] = np.concatenate([self.q[env], self.theta[env]])
         data.qvel[:] = np.concatenate([self.q_dot[env], self.theta_dot[env]])

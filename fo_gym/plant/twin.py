@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.checks import POSITIVE, choice, number
+from fo_gym.friction import FrictionLaw, LuGre
 from fo_gym.robots import LinkSide
 
 Array = NDArray[np.float64]
@@ -28,7 +29,12 @@ __all__ = ["INTEGRATORS", "twin_model"]
 
 
 def twin_model(
-    link_side: LinkSide, values: Mapping[str, Array], mass_scale: float, timestep: float, integrator: str
+    link_side: LinkSide,
+    joints: Mapping[str, Array],
+    friction: FrictionLaw,
+    mass_scale: float,
+    timestep: float,
+    integrator: str,
 ) -> mujoco.MjModel:
     """The robot with a motor, a spring and LuGre friction at every joint, as one MuJoCo model.
 
@@ -38,16 +44,22 @@ def twin_model(
 
     Args:
         link_side: the links.
-        values: for each of PARAMETERS an array of one value per joint.
+        joints: for each of JOINT an array of one value per joint.
+        friction: likewise; MuJoCo has LuGre alone.
         mass_scale: factor on the masses of the file.
         timestep: MuJoCo's step [s]. Its bristles hold a stuck joint only for steps below sigma_1 / sigma_0.
         integrator: one of INTEGRATORS.
 
     Raises:
-        ValueError: the time step is not above 0, or there is no such integrator.
+        ValueError: the time step is not above 0, there is no such integrator, or the friction is not LuGre.
     """
     number("timestep", timestep, POSITIVE, "s")
     choice("integrator", integrator, INTEGRATORS)
+    if not isinstance(friction, LuGre):
+        raise ValueError(
+            f"friction is {type(friction).__name__}; MuJoCo has LuGre alone: give a plant with that for a twin"
+        )
+    values = {**joints, **vars(friction)}
     spec = link_side.scene_spec
     for j, name in enumerate(link_side.joints):
         _add_motor(spec, name, j, {field: float(value[j]) for field, value in values.items()})
@@ -61,7 +73,7 @@ def twin_model(
 
 
 def _add_motor(spec: mujoco.MjSpec, name: str, place: int, p: dict[str, float]) -> None:
-    """Motor, spring and friction of one joint; p holds its PARAMETERS."""
+    """Motor, spring and friction of one joint; p holds their parameters by name."""
     link = spec.joint(name)
     hinge = link.type == mujoco.mjtJoint.mjJNT_HINGE
     # What is made here inherits the file's defaults: all that matters to the dynamics is set. The inertia is the

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.checks import instance, real_array, shown, text
+from fo_gym.friction import FrictionLaw
 from fo_gym.hardware import Effect, Hardware
 from fo_gym.parameters import FlexibleJoint, ImpedanceGains, LuGre, PDGains, per_joint
 from fo_gym.robots.advice import Advice, advice
@@ -58,7 +59,7 @@ class Robot:
     link_side: LinkSide
     units: tuple[str, ...]
     flexible: FlexibleJoint
-    friction: LuGre
+    friction: FrictionLaw
     home: Array
     redundant: tuple[str, ...] = ()
     hardware: Hardware | None = None
@@ -72,7 +73,7 @@ class Robot:
         text("Robot.name", self.name)
         instance("Robot.link_side", self.link_side, LinkSide)
         instance("Robot.flexible", self.flexible, FlexibleJoint)
-        instance("Robot.friction", self.friction, LuGre)
+        instance("Robot.friction", self.friction, FrictionLaw)
         instance("Robot.hardware", self.hardware, Hardware, none="none")
         instance("Robot.identified", self.identified, LuGre, none="none known")
         instance("Robot.pd_gains", self.pd_gains, PDGains, none="gains by design")
@@ -199,21 +200,21 @@ class Robot:
 
 
 def _content(part: Any) -> Any:
-    """A field, exactly: arrays as lists, parameters by the names of their fields, effects with their source."""
+    """A field, exactly: arrays as lists, parameters by their fields' names, effects and laws with their source."""
     if isinstance(part, np.ndarray):
         return part.tolist()
     if isinstance(part, tuple):
         return [_content(each) for each in part]
-    if isinstance(part, Effect):
+    if isinstance(part, Effect | FrictionLaw):
         return {**{name: _content(value) for name, value in vars(part).items()}, "class": _source(part)}
     if is_dataclass(part):
         return {name: _content(value) for name, value in vars(part).items()}
     return part
 
 
-def _source(effect: Effect) -> str:
-    """The class of an effect and the text of its module; what is never the same again, where that cannot be had."""
+def _source(part: Effect | FrictionLaw) -> str:
+    """Its class and the text of its module; what is never the same again, where that cannot be had."""
     try:
-        return f"{type(effect).__qualname__}: {inspect.getsource(sys.modules[type(effect).__module__])}"
+        return f"{type(part).__qualname__}: {inspect.getsource(sys.modules[type(part).__module__])}"
     except (OSError, TypeError):
-        return object.__repr__(effect)
+        return object.__repr__(part)

@@ -7,9 +7,10 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from fo_gym.checks import POSITIVE, choice, flag, instance, number, only, shown, whole_number
+from fo_gym.friction import FRICTIONLESS, FrictionLaw
 from fo_gym.hardware import Hardware, SensorModel
 from fo_gym.micro_steps import PhysicsDt, is_auto, micro_steps
-from fo_gym.parameters import FRICTIONLESS, FlexibleJoint, ImpedanceGains, LuGre, PDGains
+from fo_gym.parameters import FlexibleJoint, ImpedanceGains, PDGains
 from fo_gym.robots import Robot, RobotLike, robot_of
 from fo_gym.signals import TIERS
 from fo_gym.tasks.randomization import Randomization
@@ -42,7 +43,7 @@ class Settings:
         decimation: control ticks per environment step, at least 1, at most those of the episode.
         duration: length of an episode [s], rounded to whole steps, at least one; at most MAX_TICKS control periods.
         joints: motors and springs.
-        friction: LuGre parameters.
+        friction: of the motors, of any law: `fo_gym.LuGre`, or another `fo_gym.friction.FrictionLaw`.
         gains: PDGains or ImpedanceGains, as the task's controller needs.
         sensors: "joint" = motor encoder and joint torque sensor; "motor" = the encoder alone: no tau_j, no theta_n, no
             nominal feedback; "full" = a tachometer as well.
@@ -63,7 +64,7 @@ class Settings:
     decimation: int = 1
     duration: float | None = None
     joints: FlexibleJoint | None = None
-    friction: LuGre | None = None
+    friction: FrictionLaw | None = None
     gains: PDGains | ImpedanceGains | None = None
     sensors: str = "joint"
     sensor_model: SensorModel | None = None
@@ -81,7 +82,7 @@ class Settings:
             choice(name, getattr(self, name), allowed)
         for name, kind in (
             ("joints", FlexibleJoint),
-            ("friction", LuGre),
+            ("friction", FrictionLaw),
             ("randomization", Randomization),
             ("sensor_model", SensorModel),
             ("hardware", Hardware),

@@ -7,9 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.checks import NOT_NEGATIVE, POSITIVE, instance, number, real_array, values
+from fo_gym.checks import NOT_NEGATIVE, POSITIVE, instance, number, real_array, shown, values
+from fo_gym.friction import FrictionLaw
 from fo_gym.hardware import HardwareDraw
-from fo_gym.parameters import FlexibleJoint, LuGre, check_joints
+from fo_gym.parameters import FlexibleJoint, check_joints
+from fo_gym.tasks.hand import Hand
 
 Array = NDArray[np.float64]
 
@@ -41,22 +43,24 @@ class Scenario:
     """One episode of one environment.
 
     Attributes:
-        friction: LuGre parameters.
+        friction: of the motors.
         joints: motors and springs.
         mass_scale: factor on the masses of the robot file.
         q_start: links at reset, (dof,), m or rad.
         target: desired links after the step, (dof,), m or rad; None where a path is followed.
         push: external push, or None.
         hardware: what was drawn of the hardware's effects, or None where there are none.
+        hand: that guides the tool, nothing of it left open, or None.
     """
 
-    friction: LuGre
+    friction: FrictionLaw
     joints: FlexibleJoint
     mass_scale: float
     q_start: Array
     target: Array | None
     push: Push | None
     hardware: HardwareDraw | None = None
+    hand: Hand | None = None
 
     @property
     def believed(self) -> FlexibleJoint:
@@ -73,7 +77,7 @@ class Scenario:
 
         What was drawn of the hardware is checked by who knows the hardware.
         """
-        for part, kind in (("friction", LuGre), ("joints", FlexibleJoint)):
+        for part, kind in (("friction", FrictionLaw), ("joints", FlexibleJoint)):
             instance(f"{name}.{part}", getattr(self, part), kind)
             check_joints(getattr(self, part), dof)
         number(f"{name}.mass_scale", self.mass_scale, POSITIVE)
@@ -83,5 +87,9 @@ class Scenario:
         if self.push is not None:
             instance(f"{name}.push", self.push, Push)
             arrays["push.torque"] = self.push.torque
+        if self.hand is not None:
+            instance(f"{name}.hand", self.hand, Hand)
+            if not self.hand.is_fitted:
+                raise ValueError(f"{name}.hand is {shown(self.hand)}; give one with nothing left open")
         for part, array in arrays.items():
             real_array(f"{name}.{part}", array, (dof,))

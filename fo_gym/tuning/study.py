@@ -125,6 +125,7 @@ def run_study(case: Case, folder: Path, on_trial: OnTrial | None = None) -> Outc
     score = _Scorer(case, first(TUNING_SEEDS, case.episodes))
 
     def objective(trial: optuna.Trial) -> float:
+        """The score of the gains that the trial suggests; those that nothing can be made with are pruned."""
         gains = {name: trial.suggest_float(name, low, high, log=True) for name, (low, high) in space.items()}
         try:
             with case.competitor(gains).playing(case.env_id, case.variant):

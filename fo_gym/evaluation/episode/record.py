@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.tasks.hand import Hand
 from fo_gym.tasks.scenario import Push
 
 Array = NDArray[np.float64]
@@ -16,15 +17,17 @@ __all__ = ["Episode", "Motion", "Push"]
 
 @dataclass(frozen=True)
 class Motion:
-    """Where the motors and the tool were, tick by tick.
+    """Where the motors and the tool were, tick by tick, and how a hand pulled.
 
     Attributes:
         theta: motor positions, (ticks, dof), m or rad.
         tool: tool position in the world, (ticks, 3), m; None where the task has no tool path.
+        f_hand: mean force of the hand on the tool, (periods, 3), N; None where no hand guides it.
     """
 
     theta: Array
     tool: Array | None
+    f_hand: Array | None = None
 
     @property
     def scored(self) -> Array:
@@ -58,8 +61,12 @@ class Episode:
         limit_cycle_window: (start, end) in s where a limit cycle is looked for, or None.
         motion_window: (start, end) in s where the reference moves along its path, or None.
         push: the external push of the episode, or None.
+        stored: energy in the joints when the push begins, J; NaN without one.
         termination: "" or why the episode ended early ("joint_limit" | "non_finite"). After the end
             every array holds its last finite value.
+        hand: the hand that guides the tool, or None.
+        tau_held: what the controller would apply at theta, were the motors at rest there, (ticks, dof), N or N m; None
+            where no hand guides the tool.
     """
 
     dt: float
@@ -84,7 +91,10 @@ class Episode:
     limit_cycle_window: tuple[float, float] | None
     motion_window: tuple[float, float] | None
     push: Push | None
+    stored: float
     termination: str
+    hand: Hand | None = None
+    tau_held: Array | None = None
 
     @property
     def duration(self) -> float:

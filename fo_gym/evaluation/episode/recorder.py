@@ -16,6 +16,7 @@ from fo_gym.envs.registry import environment_of
 from fo_gym.envs.vector import JointVectorEnv
 from fo_gym.evaluation.episode.calls import checked_estimate, checked_reset
 from fo_gym.evaluation.episode.recording import Recording
+from fo_gym.evaluation.episode.stored import stored_energy
 from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.signals import Signals
 
@@ -78,6 +79,9 @@ class _Recorder:
         self.ticks = {name: np.empty((self.steps + 1, env.num_envs, size)) for name, size in sizes.items()}
         shape = (self.steps, env.num_envs, self.dof)
         self.periods = {name: np.empty(shape) for name in _PERIOD_TRUTH}
+        if self.simulation.hands is not None:
+            self.ticks["tau_held"] = np.empty((self.steps + 1, env.num_envs, self.dof))
+            self.periods["f_hand"] = np.empty((self.steps, env.num_envs, 3))
         self.scenarios = tuple(self.simulation.scenarios)
         self.alive = np.ones(env.num_envs, dtype=bool)
         self.ended = np.full(env.num_envs, self.steps)
@@ -90,6 +94,9 @@ class _Recorder:
             self.ticks[name][tick] = info[name]
         for name in _TICK_SIGNALS:
             self.ticks[name][tick] = getattr(self.signals, name)
+        if "tau_held" in self.ticks:
+            theta = info["theta"]
+            self.ticks["tau_held"][tick] = self.simulation.control.torque(theta, np.zeros_like(theta))
 
     def run(self, compensator: Compensator, name: str) -> Recording:
         """All episodes, tick by tick."""
@@ -101,8 +108,8 @@ class _Recorder:
             self.seconds[step] = time.perf_counter() - start
             obs, _, terminated, _, info = self.env.step(estimate)
             self.signals = Signals.from_observation(obs, self.dof, self.env.available)
-            for part in _PERIOD_TRUTH:
-                self.periods[part][step] = info[part]
+            for part, kept in self.periods.items():
+                kept[step] = info[part]
             self._keep_tick(step + 1, info)
             if terminated.any():
                 self._end(step + 1, terminated, info)
@@ -129,6 +136,7 @@ class _Recorder:
 
     def _recording(self) -> Recording:
         simulation = self.simulation
+        stored = stored_energy(simulation, self.ticks)
         if simulation.task.reference.of_tool:
             body = RigidBody(simulation.robot.link_side, self.steps + 1)
             tool = [body.tool_position(self.ticks["q"][:, i]) for i in range(self.env.num_envs)]
@@ -143,6 +151,7 @@ class _Recorder:
             ticks=self.ticks,
             periods=self.periods,
             scenarios=self.scenarios,
+            stored=stored,
             torque_limit=np.asarray(simulation.torque_limit) * levers,
             terminations=self.terminations,
             ended=self.ended,
@@ -152,4 +161,6 @@ class _Recorder:
     def _tell_in_one_unit(self, levers: Array) -> None:
         """Joints of a robot with hinges and slides in the same unit, see `Robot.levers`."""
         self.ticks |= {name: self.ticks[name] / levers for name in _JOINT_TICKS}
-        self.periods = {name: array * levers for name, array in self.periods.items()}
+        self.periods |= {name: self.periods[name] * levers for name in _PERIOD_TRUTH}
+        if "tau_held" in self.ticks:
+            self.ticks["tau_held"] *= levers

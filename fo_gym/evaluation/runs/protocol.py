@@ -29,7 +29,7 @@ class Protocol:
     Attributes:
         name: what to call it.
         split: "leaderboard" or "validation", whose seeds are used.
-        seeds: episodes of each variant; of one without randomness a single one is run (`seeds_for`).
+        seeds: episodes of each variant (`seeds_for`).
         environments: registered ids, or "file.py:ID" and "module:ID" of one's own.
         variants: variants of each.
         compensators: registered names, "module:Class", "file.py:Class", or entries: the name of a shipped one, or

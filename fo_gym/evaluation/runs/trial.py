@@ -33,7 +33,8 @@ class Trial:
     Attributes:
         rows: one per episode, as `rows` gives them.
         timing: median and 99th percentile of the time per call of `estimate`, for the whole batch; None if it failed.
-        traces: the nominal episode, thinned; of other variants the worst, the median and the best, where asked for.
+        traces: the first nominal episode, thinned; of other variants the worst, the median and the best, where asked
+            for.
     """
 
     rows: pd.DataFrame
@@ -75,8 +76,8 @@ def _trial(
     episodes: EpisodeSet, name: str, recording: Recording, references: References, compensator: Compensator
 ) -> Trial:
     scores = rows(episodes, name, recording, references, compensator)
-    kept = episodes.traced or episodes.variant == NOMINAL
-    traces = traces_of(name, scores, recording, references) if kept else ()
+    shown = scores[:1] if episodes.variant == NOMINAL else scores if episodes.traced else scores[:0]
+    traces = traces_of(name, shown, recording, references)
     return Trial(scores, _timing(episodes, name, recording), traces)
 
 
