@@ -234,3 +234,14 @@ def test_lugre_adaptive_begins_as_the_pd_type_observer():
     observer = AdaptiveLuGreObserver(100.0, 20.0, 20.0, 0.8)
     without = answers(pd_measured(), still, joints())
     np.testing.assert_allclose(answers(observer, still, joints()), without, rtol=1e-12)
+
+
+@pytest.mark.parametrize("make", [feedforward, lugre_nominal])
+def test_a_share_of_a_model_is_that_share_of_its_dry_or_of_its_viscous_friction(make):
+    observations, p = 1e-3 * random_observations(20, 2), IDENTIFIED[7]
+    whole, less_dry, less_viscous = (
+        answers(make(**gains), observations, joints()) for gains in ({}, {"dry": 0.5}, {"viscous": 0.25})
+    )
+    viscous = -p.sigma_2 * observations[..., 7:14]
+    np.testing.assert_allclose(whole - less_viscous, 0.75 * viscous, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(less_dry, viscous + 0.5 * (whole - viscous), rtol=1e-9, atol=1e-9)
