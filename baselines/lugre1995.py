@@ -13,17 +13,19 @@ its difference quotient.
 from __future__ import annotations
 
 from dataclasses import fields
+from types import SimpleNamespace
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from baselines.gains import check_share
 from fo_gym import JointInfo, LuGre, Signals
 from fo_gym.checks import NOT_NEGATIVE, POSITIVE, number, real_array, shown
 
 Array = NDArray[np.float64]
 
-__all__ = ["MISMATCH", "LuGreObserver", "checked_friction", "lugre_nominal", "lugre_off", "model_of"]
+__all__ = ["MISMATCH", "LuGreIdentified", "LuGreObserver", "checked_friction", "lugre_nominal", "lugre_off", "model_of"]
 
 MISMATCH = 1.0 + np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0]) * np.random.default_rng(1995).uniform(0.2, 0.3, 6)
 """Factors on sigma_0, sigma_1, sigma_2, f_c, f_s, v_s: off by 20 to 30 %, in turn up and down; drawn from seed 1995."""
@@ -54,7 +56,7 @@ def model_of(owner: object, friction: LuGre | None, joints: JointInfo) -> LuGre:
         )
     for field in fields(model):
         shape = np.shape(getattr(model, field.name))
-        if shape not in ((), (1,), (joints.dof,)):
+        if shape[-1:] not in ((), (1,), (joints.dof,)):
             raise ValueError(
                 f"{name}: friction.{field.name} has shape {shape}; give one value for all joints or one for each of "
                 f"the {joints.dof}"
@@ -62,9 +64,9 @@ def model_of(owner: object, friction: LuGre | None, joints: JointInfo) -> LuGre:
     return model
 
 
-def _off(friction: LuGre, factors: Array) -> LuGre:
+def _off(friction: LuGre, factors: Array) -> SimpleNamespace:
     names = (field.name for field in fields(friction))
-    return LuGre(**{name: getattr(friction, name) * factor for name, factor in zip(names, factors, strict=True)})
+    return SimpleNamespace(**{name: getattr(friction, name) * x for name, x in zip(names, factors, strict=True)})
 
 
 class LuGreObserver:
@@ -80,15 +82,29 @@ class LuGreObserver:
     Args:
         friction: parameters of the model; None takes those that were identified for the robot (`JointInfo.identified`).
         k: gain of the position error [1/s], at least 0.
+        dry, viscous: shares of the model's dry and viscous friction that are cancelled, in (0, 1]. Published is all of
+            it; less leaves damping where the model may be too strong.
         factors: on sigma_0, sigma_1, sigma_2, f_c, f_s, v_s, to see what wrong ones do.
     """
 
     feedback = "measured"
-    search_space: ClassVar[dict[str, tuple[float, float]]] = {"k": (1e-6, 1e-2)}
+    search_space: ClassVar[dict[str, tuple[float, float]]] = {
+        "k": (1e-6, 1e-2),
+        "dry": (0.3, 1.0),
+        "viscous": (0.03, 1.0),
+    }
 
-    def __init__(self, friction: LuGre | None = None, k: float = 1e-3, factors: ArrayLike = (1.0,) * 6) -> None:
+    def __init__(
+        self,
+        friction: LuGre | None = None,
+        k: float = 1e-3,
+        factors: ArrayLike = (1.0,) * 6,
+        dry: float = 1.0,
+        viscous: float = 1.0,
+    ) -> None:
         self.friction = checked_friction(self, friction)
         self.k = number("LuGreObserver: k", k, NOT_NEGATIVE)
+        self.dry, self.viscous = check_share(self, "dry", dry), check_share(self, "viscous", viscous)
         self.factors = real_array("LuGreObserver: factors", factors, (6,), POSITIVE)
 
     def reset(self, joints: JointInfo, num_envs: int) -> None:
@@ -105,14 +121,31 @@ class LuGreObserver:
         z = (self._z + self._dt * drive) / (1.0 + self._dt * p.sigma_0 * np.abs(v) / g)
         z_dot = (z - self._z) / self._dt
         self._z = z
-        return -(p.sigma_0 * z + p.sigma_1 * z_dot + p.sigma_2 * v)
+        return -(self.dry * (p.sigma_0 * z + p.sigma_1 * z_dot) + self.viscous * p.sigma_2 * v)
 
 
-def lugre_nominal(friction: LuGre | None = None, k: float = 1e-3) -> LuGreObserver:
-    """The observer with the identified parameters: on the shipped robots exact in "nominal", and so a reference."""
-    return LuGreObserver(friction, k)
+class LuGreIdentified(LuGreObserver):
+    """The observer that knows the friction of its episode as it is at the start: a reference for a perfect model.
+
+    What it does not know is what comes later, as the joint warms up and its load changes, nor gear ripple.
+
+    Args:
+        k: gain of the position error [1/s], at least 0.
+    """
+
+    privileged = True
+
+    def __init__(self, k: float = 1e-3) -> None:
+        super().__init__(k=k)
 
 
-def lugre_off(friction: LuGre | None = None, k: float = 1e-3) -> LuGreObserver:
+def lugre_nominal(
+    friction: LuGre | None = None, k: float = 1e-3, dry: float = 1.0, viscous: float = 1.0
+) -> LuGreObserver:
+    """The observer with the identified parameters: on the shipped robots exact in "nominal"."""
+    return LuGreObserver(friction, k, dry=dry, viscous=viscous)
+
+
+def lugre_off(friction: LuGre | None = None, k: float = 1e-3, dry: float = 1.0, viscous: float = 1.0) -> LuGreObserver:
     """The observer with parameters that are 20 to 30 % off those (`MISMATCH`)."""
-    return LuGreObserver(friction, k, MISMATCH)
+    return LuGreObserver(friction, k, MISMATCH, dry, viscous)

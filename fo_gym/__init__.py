@@ -25,6 +25,7 @@ __all__ = [
     "Dahl",
     "ElastoPlastic",
     "FlexibleJoint",
+    "Hand",
     "Hardware",
     "ImpedanceGains",
     "JointInfo",
@@ -40,6 +41,7 @@ __all__ = [
     "Signals",
     "Step",
     "Task",
+    "ToolHold",
     "ToolPath",
     "evaluate",
     "list_compensators",
@@ -54,14 +56,18 @@ if TYPE_CHECKING:
     from fo_gym.evaluation.runs.evaluate import evaluate
     from fo_gym.robots import Robot
     from fo_gym.simulation.settings import Settings
+    from fo_gym.tasks.hand import Hand
     from fo_gym.tasks.joint_path import JointPath
     from fo_gym.tasks.randomization import Randomization
     from fo_gym.tasks.scenario import Push
     from fo_gym.tasks.step import Step
     from fo_gym.tasks.task import Task
+    from fo_gym.tasks.tool_hold import ToolHold
     from fo_gym.tasks.tool_path import ToolPath
 else:
     _LATER = {
+        "Hand": "fo_gym.tasks.hand",
+        "ToolHold": "fo_gym.tasks.tool_hold",
         "JointPath": "fo_gym.tasks.joint_path",
         "Push": "fo_gym.tasks.scenario",
         "Robot": "fo_gym.robots",

@@ -1,4 +1,4 @@
-"""Compensators: the protocol they follow, how they are made, and the two that the suite itself makes."""
+"""Compensators: the protocol they follow, how they are made, and the references that the suite itself makes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.checks import shown, text
+from fo_gym.checks import POSITIVE, number, shown, text
 from fo_gym.modules import import_file
 from fo_gym.parameters import JointInfo
 from fo_gym.signals import Signals
@@ -23,12 +23,15 @@ from fo_gym.specs import BUILT_IN, check_spec, plug_in, spec_of
 Array = NDArray[np.float64]
 
 __all__ = [
+    "BOUND_RATES",
+    "Bound",
     "Compensator",
     "CompensatorError",
     "Ideal",
     "NoCompensation",
     "declared_gains",
     "has_learned",
+    "is_privileged",
     "make_compensator",
 ]
 
@@ -44,6 +47,9 @@ class Compensator(Protocol):
     Attributes:
         feedback: "measured" or "nominal", which motor signal the task's controller gets.
         learned: optional; True where data trained it, which tables say of it. Without this attribute it did not learn.
+        privileged: optional; True where it is to see the truth, as `Signals.truth` and `JointInfo.identified`. Such a
+            one is a reference, not a competitor: tables show it and never rank it. It runs in the suite's own process:
+            a class or an instance that is handed over, or the project's own. Without this attribute it sees nothing.
     """
 
     feedback: str
@@ -70,7 +76,48 @@ class NoCompensation:
 
 
 class Ideal(NoCompensation):
-    """`ideal`: no compensation on joints without friction; a reference, not a competitor."""
+    """`ideal`: no compensation of motors that nothing disturbs; a reference, not a competitor."""
+
+
+BOUND_RATES = (60.0, 300.0)
+"""Rates of the lag among which `bound` takes the best for each set of episodes, by mean FRR [1/s]."""
+
+
+class Bound:
+    """`bound`: the true disturbance of the motors, a period late, and what was missed by being late; a reference.
+
+        tau_f_hat = tau_dist + 2 rate P + rate^2 S,   P' = tau_dist - tau_f_hat,   S' = P
+
+    tau_dist is the mean over the past period. P, the momentum that friction took from the motor before it was known,
+    and S, its integral, are paid back through the lag 1/(s + rate)^2; without that the motor would stay where they have
+    left it. No sensor errs in it and no model is wrong: what remains to `ideal` is the price of a period, of the lag
+    and of the delay of the motors' commands. Measured feedback: the nominal motor knows the joint torque by its sensor
+    alone, whose errors are none of the bound's.
+
+    Args:
+        rate: of the lag [1/s], above 0.
+    """
+
+    feedback = "measured"
+    privileged = True
+
+    def __init__(self, rate: float = BOUND_RATES[0]) -> None:
+        self.rate = number("Bound: rate", rate, POSITIVE, "1/s")
+
+    def reset(self, joints: JointInfo, num_envs: int) -> None:
+        """Start with nothing to compensate."""
+        self._dt = joints.control_dt
+        self._momentum = np.zeros((num_envs, joints.dof))
+        self._integral = np.zeros((num_envs, joints.dof))
+
+    def estimate(self, signals: Signals) -> Array:
+        """The estimate, (num_envs, dof), N or N m. Raises ValueError where it is not given the truth."""
+        if signals.truth is None:
+            raise ValueError("signals.truth is None; the bound needs the truth: run it by fo_gym.evaluate")
+        disturbance = signals.truth["tau_dist"]
+        self._momentum = self._momentum + self._dt * (disturbance - signals.truth["tau_f_hat"])
+        self._integral = self._integral + self._dt * self._momentum
+        return disturbance + 2.0 * self.rate * self._momentum + self.rate**2 * self._integral
 
 
 def _factory(given: str) -> Any:
@@ -78,7 +125,7 @@ def _factory(given: str) -> Any:
     if (entry := plug_in(given)) is not None:
         return entry.load()
     if given in BUILT_IN:
-        return {"none": NoCompensation, "ideal": Ideal}[given]
+        return {"none": NoCompensation, "ideal": Ideal, "bound": Bound}[given]
     check_spec(given)
     spec = spec_of(given)
     module: Any
@@ -165,8 +212,8 @@ def checked(candidate: Any, name: str) -> Compensator:
 
     Raises:
         ValueError: it is the reference `ideal` under another name.
-        TypeError: it lacks `feedback`, `reset` or `estimate`, or `learned` is no truth value; the message shows what
-            is needed.
+        TypeError: it lacks `feedback`, `reset` or `estimate`, or `learned` or `privileged` is no truth value; the
+            message shows what is needed.
     """
     if inspect.isclass(candidate) or not isinstance(candidate, Compensator):
         missing = [part for part in ("feedback", "reset", "estimate") if not hasattr(candidate, part)]
@@ -178,14 +225,20 @@ def checked(candidate: Any, name: str) -> Compensator:
         raise ValueError(f"compensator {name!r} is the reference 'ideal', not a competitor; name it 'ideal'")
     if candidate.feedback not in ("measured", "nominal"):
         raise TypeError(f"compensator {name!r}: feedback is {candidate.feedback!r}; allowed are 'measured', 'nominal'")
-    if not isinstance(learned := getattr(candidate, "learned", False), bool):
-        raise TypeError(f"compensator {name!r}: learned is {shown(learned)}; give True or False, or leave it out")
+    for optional in ("learned", "privileged"):
+        if not isinstance(value := getattr(candidate, optional, False), bool):
+            raise TypeError(f"compensator {name!r}: {optional} is {shown(value)}; give True or False, or leave it out")
     return candidate
 
 
 def has_learned(compensator: Compensator) -> bool:
     """Whether data trained it, as it says itself."""
     return bool(getattr(compensator, "learned", False))
+
+
+def is_privileged(compensator: Compensator) -> bool:
+    """Whether it is to see the truth, and so is a reference, as it says itself."""
+    return bool(getattr(compensator, "privileged", False))
 
 
 def declared_gains(compensator: Any) -> dict[str, tuple[float, float, float]]:

@@ -12,17 +12,8 @@ from fo_gym.checks import shown, whole_number
 MAX_SEED = 2**128 - 1
 """The largest seed, 128 bits: as many as NumPy draws where no seed is given."""
 
-NAMED_STREAMS = False
-"""Whether every draw of an episode has a random stream of its own.
-
-If not, all draws of an episode come from the environment's generator one after the other, and whoever adds one
-changes those behind it: what has been published was drawn so. If so, a new draw leaves the others alone. To switch
-changes every episode that is drawn, once.
-"""
-
 __all__ = [
     "MAX_SEED",
-    "NAMED_STREAMS",
     "Streams",
     "check_random_state",
     "check_random_states",
@@ -32,24 +23,21 @@ __all__ = [
 
 
 class Streams:
-    """The random generators of one episode's draws, by name.
+    """The random generators of one episode's draws, one for each name.
+
+    A draw that is added, left out, or given another range changes none of the others, and so no other number of the
+    episodes of a seed.
 
     Args:
-        generator: the environment's. With NAMED_STREAMS, the first draw takes the episode's seed from it, and nothing
-            else is taken; without, every name stands for this generator itself.
+        generator: the environment's. The episode's seed is taken from it, and nothing else.
     """
 
     def __init__(self, generator: np.random.Generator) -> None:
-        self._generator = generator
         self._streams: dict[str, np.random.Generator] = {}
-        self._seed: list[int] = []
+        self._seed: list[int] = generator.integers(2**32, size=4).tolist()
 
     def __call__(self, name: str) -> np.random.Generator:
         """The generator of the draw of this name; asked again, it goes on."""
-        if not NAMED_STREAMS:
-            return self._generator
-        if not self._seed:
-            self._seed = self._generator.integers(2**32, size=4).tolist()
         if name not in self._streams:
             sequence = np.random.SeedSequence(self._seed, spawn_key=tuple(name.encode()))
             self._streams[name] = np.random.default_rng(sequence)

@@ -6,9 +6,10 @@ A field takes a float (the same for all joints) or an array with one value per j
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import copy
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from fo_gym.checks import NOT_NEGATIVE, POSITIVE, Value, check_numbers, check_va
 from fo_gym.friction import FRICTIONLESS, LuGre
 
 Array = NDArray[np.float64]
+Parameters = TypeVar("Parameters")
 
 JOINT = ("stiffness", "damping", "motor_inertia")
 """Columns of `packed`."""
@@ -32,7 +34,9 @@ __all__ = [
     "Value",
     "check_joints",
     "packed",
+    "part_of",
     "per_joint",
+    "stacked",
 ]
 
 
@@ -50,6 +54,28 @@ def per_joint(parameters: Any, dof: int) -> Any:
     """The same parameters with every field as an array (dof,). Raises ValueError as `check_joints` does."""
     check_joints(parameters, dof)
     return _each(parameters, lambda value: np.broadcast_to(value, (dof,)))
+
+
+def stacked(parameters: Sequence[Parameters], **changes: Array) -> Parameters:
+    """The parameters of n robots, fields (dof,), as one object with fields (n, dof), for who computes a batch.
+
+    Args:
+        parameters: of each robot.
+        changes: fields (n, dof) to have instead.
+    """
+    made = copy.copy(parameters[0])
+    for name in vars(made):
+        field = changes.get(name, np.stack([getattr(each, name) for each in parameters]))
+        object.__setattr__(made, name, field)  # each was checked by itself
+    return made
+
+
+def part_of(parameters: Parameters, rows: slice) -> Parameters:
+    """Those of some of the robots whose parameters were `stacked`."""
+    made = copy.copy(parameters)
+    for name, field in vars(made).items():
+        object.__setattr__(made, name, field[rows])
+    return made
 
 
 def one_joint(parameters: Any) -> Any:
@@ -140,7 +166,8 @@ class JointInfo:
         torque_limit: bound of the action [N | N m].
         control_dt: time between two estimates [s].
         identified: friction as an identification of this robot gave it, which a model-based compensator may use; None
-            where none is known. Where friction is drawn per episode, it is off like that of a robot that has aged.
+            where none is known. Where friction is drawn per episode, it is off like that of a robot that has aged. For
+            privileged compensators it is the true one at the start of each episode, arrays (num_envs, dof).
     """
 
     dof: int

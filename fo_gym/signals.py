@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +45,8 @@ class Signals:
         time: since the start of the episode, (..., 1) [s]; 0 at the first tick.
         reference: the task's own reference, (..., k): the desired tool position [m] on the square, else k = 0.
         available: names of the signals that the sensors provide; the others are zero.
+        truth: how things really are, arrays (..., dof) by name, as `info` has them; for privileged compensators (see
+            `fo_gym.Compensator`), and None for everybody else.
     """
 
     theta: Array
@@ -56,6 +60,7 @@ class Signals:
     time: Array
     reference: Array
     available: frozenset[str] = field(default=frozenset(SIGNALS))
+    truth: Mapping[str, Array] | None = None
 
     @classmethod
     def from_observation(cls, obs: Array, dof: int, available: frozenset[str] = frozenset(SIGNALS)) -> Signals:
@@ -76,7 +81,7 @@ class Signals:
             raise ValueError(
                 f"observation has shape {obs.shape}, {size} values each; dof = {dof} needs at least {end + 1}"
             )
-        blocks = {name: obs[..., i * dof : (i + 1) * dof] for i, name in enumerate(SIGNALS)}
+        blocks: dict[str, Any] = {name: obs[..., i * dof : (i + 1) * dof] for i, name in enumerate(SIGNALS)}
         return cls(**blocks, time=obs[..., end : end + 1], reference=obs[..., end + 1 :], available=available)
 
     def observation(self) -> Array:

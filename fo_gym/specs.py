@@ -17,7 +17,7 @@ from fo_gym.checks import shown, text
 GROUP = "fo_gym.compensators"
 """Entry points of compensators: a name, and a class or a function that makes one."""
 
-BUILT_IN = ("none", "ideal")
+BUILT_IN = ("none", "ideal", "bound")
 """The references, which the suite makes itself; their names are reserved."""
 
 _OURS = "fo-gym"
@@ -92,12 +92,12 @@ def plug_in(name: str) -> EntryPoint | None:
 
 
 def list_compensators() -> list[str]:
-    """Registered names: the built-in `none` and `ideal`, then the plug-ins of `fo_gym.compensators`."""
+    """Registered names: the built-in `none`, `ideal` and `bound`, then the plug-ins of `fo_gym.compensators`."""
     return [*BUILT_IN, *_plug_ins()]
 
 
 def is_ours(given: str) -> bool:
-    """Whether a text names the project's own code: `none`, `ideal`, or what its own distribution registered.
+    """Whether a text names the project's own code: a built-in reference, or what its own distribution registered.
 
     Everything else is a stranger's code, which evaluations run in a process of its own.
     """

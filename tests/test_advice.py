@@ -14,10 +14,10 @@ from fo_gym.control.design import designed_pd
 from fo_gym.parameters import PDGains
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.robots import Robot
-from fo_gym.robots.advice import Line
+from fo_gym.robots.advice import Condition
 
 
-def lines(robot: Robot, **given: object) -> Mapping[str, Line]:
+def lines(robot: Robot, **given: object) -> Mapping[str, Condition]:
     return {line.what: line for line in robot.advice(**given).lines}  # type: ignore[arg-type]
 
 

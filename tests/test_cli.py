@@ -208,7 +208,7 @@ def test_a_stranger_stands_beside_the_others(scored: Outcome) -> None:
     assert scored.code == 0, scored.err
     assert scored.out.count("┏") == 1
     rows = table_rows(scored.out)
-    assert set(rows) == {"mine.py:Mine", "none", "ideal", *SIX}
+    assert set(rows) == {"mine.py:Mine", "none", "ideal", "bound", *SIX}
     ranks = {name: cells[0] for name, cells in rows.items()}
     assert sorted(ranks.values()) == ["", "", *"1234567"]
     assert ranks["none"] == ranks["ideal"] == ""
@@ -230,7 +230,7 @@ def test_what_fails_late_fails_after_the_table(folder: Path) -> None:
     result = run(*command, "--jobs", "1", "--baselines", "none")
     assert result.code == 2
     rows = table_rows(result.out)
-    assert set(rows) == {"mine.py:Late", "pid-high", "none", "ideal"}
+    assert set(rows) == {"mine.py:Late", "pid-high", "none", "ideal", "bound"}
     assert rows["mine.py:Late"][:3] == ["", "mine.py:Late *", ""]
     assert "failed" in rows["mine.py:Late"][-1]
     assert float(rows["pid-high"][2]) > 0.0
@@ -264,7 +264,7 @@ def test_gains_and_a_name_and_chosen_baselines(folder: Path) -> None:
     first = run(*command, "--name", "as low")
     assert first.code == 0, first.err
     rows = table_rows(first.out)
-    assert set(rows) == {"as low", "letien-low", "none", "ideal"}
+    assert set(rows) == {"as low", "letien-low", "none", "ideal", "bound"}
     board = pd.read_csv(folder / "results/gains/leaderboard.csv").set_index("compensator")
     assert board["origin"].to_dict() == {
         "none": "reference", "ideal": "reference", "as low": "yours", "letien-low": "baseline"
@@ -272,7 +272,7 @@ def test_gains_and_a_name_and_chosen_baselines(folder: Path) -> None:
     assert board.loc["as low", "frr"] == pytest.approx(board.loc["letien-low", "frr"], abs=1e-6)
     again = run(*command, "--name", "again")
     assert "3 of 3 runs were taken from short" in again.err
-    assert set(table_rows(again.out)) == {"again", "letien-low", "none", "ideal"}
+    assert set(table_rows(again.out)) == {"again", "letien-low", "none", "ideal", "bound"}
 
 
 def test_a_file_that_is_no_python_is_shown_where(folder: Path) -> None:
@@ -289,7 +289,7 @@ def test_an_entry_is_evaluated_as_any_other(folder: Path) -> None:
     )
     result = run("evaluate", "mine.toml", "--env", SQUARE, "--jobs", "1")
     assert result.code == 0, result.err
-    assert set(table_rows(result.out)) == {"m", "none", "ideal", *SIX}
+    assert set(table_rows(result.out)) == {"m", "none", "ideal", "bound", *SIX}
 
 
 # leaderboard
@@ -303,7 +303,7 @@ def test_a_protocol_of_ones_own(folder: Path) -> None:
     named = {path.name for path in written(folder / "tiny") if path.suffix != ".npz"}
     assert named == FILES | {"index.csv"}
     assert "wrote tiny/traces/index.csv" in result.out
-    assert set(table_rows(result.out)) == {"mine.py:Mine", "none", "ideal"}
+    assert set(table_rows(result.out)) == {"mine.py:Mine", "none", "ideal", "bound"}
     assert "2/2" in result.err
 
 
@@ -416,7 +416,7 @@ def test_tables_fit_the_terminal(
 
 
 def test_a_wide_terminal_has_every_column(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    for width, left_out in ((140, False), (80, True)):
+    for width, left_out in ((150, False), (80, True)):
         monkeypatch.setattr(view, "console", Console(width=width))
         view.print_tables([WIDE])
         assert ("left out" in capsys.readouterr().out) == left_out

@@ -220,7 +220,7 @@ def test_a_plug_in_cannot_take_a_reserved_name(monkeypatch: pytest.MonkeyPatch, 
     """It is left out, and says so; everybody else is there."""
     plug_ins(monkeypatch, (name, "theirs:Ideal"), ("theirs", "baselines.kim2019:pd_low"))
     with pytest.warns(UserWarning, match=rf"theirs:Ideal.*ignored.*{name}.*reserved"):
-        assert list_compensators() == ["none", "ideal", "theirs"]
+        assert list_compensators() == ["none", "ideal", "bound", "theirs"]
     with pytest.warns(UserWarning, match="reserved"):
         assert type(make_compensator(name)).__module__ == "fo_gym.compensators"
 
@@ -242,17 +242,17 @@ def test_a_script_that_exits_is_named(folder: Path) -> None:
 
 def test_plug_ins_of_others_are_listed_and_made(monkeypatch: pytest.MonkeyPatch) -> None:
     plug_ins(monkeypatch, ("theirs", "baselines.kim2019:pd_low"))
-    assert list_compensators() == ["none", "ideal", "theirs"]
+    assert list_compensators() == ["none", "ideal", "bound", "theirs"]
     assert type(make_compensator("theirs")) is PDObserver
 
 
 def test_two_plug_ins_of_one_name_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     plug_ins(monkeypatch, ("pid", "a:X"), ("pid", "b:Y"))
-    assert list_compensators() == ["none", "ideal", "pid"]
+    assert list_compensators() == ["none", "ideal", "bound", "pid"]
     with pytest.raises(ValueError, match=r"two plug-ins are called 'pid': a:X and b:Y; name one of them"):
         make_compensator("pid")
     plug_ins(monkeypatch, ("pid", "a:X"), ("pid", "a:X"))
-    assert list_compensators() == ["none", "ideal", "pid"]
+    assert list_compensators() == ["none", "ideal", "bound", "pid"]
 
 
 def test_evaluate_takes_name_spec_class_and_instance(folder: Path) -> None:

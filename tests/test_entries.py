@@ -153,7 +153,7 @@ def test_submissions_take_part(write: Write, tmp_path: Path) -> None:
     assert result.exit_code == 0, result.stderr
     board = pd.read_csv("out/leaderboard.csv").set_index("compensator")
     assert board["origin"].to_dict() == {
-        "none": "reference", "ideal": "reference", "pd-low": "baseline", "tuned": "submission"
+        "none": "reference", "ideal": "reference", "bound": "reference", "pd-low": "baseline", "tuned": "submission"
     }  # fmt: skip
     assert board["rank"].dropna().tolist() == [2, 1]
     page = Path("out/leaderboard.md").read_text(encoding="utf-8")

@@ -17,6 +17,11 @@ from fo_gym.hardware import Hardware
 STICTION, REGULATION = "FJRStiction-v0", "FJRRegulation-v0"
 
 
+def drawn_zero(**shares):
+    """What two joints drew of their torque sensors; what is not given is 0."""
+    return {name: np.asarray(shares.get(name, [0.0, 0.0])) for name in ("offset", "drift", "load", "average")}
+
+
 class TestSensors:
     def test_the_encoder_counts_steps_and_its_velocity_is_their_filtered_difference(self):
         theta = np.cumsum(np.random.default_rng(0).normal(scale=1e-3, size=(300, 2)), axis=0)
@@ -41,19 +46,47 @@ class TestSensors:
     def test_the_torque_sensor_is_a_first_order_low_pass(self):
         """The step response at the ticks is 1 - exp(-w t)."""
         sensor = hw.TorqueSensor(noise=0.0, offset=0.0, cutoff=300.0)
-        episodes = begin(sensor, drawn={"offset": np.zeros(2)})
+        episodes = begin(sensor, drawn=drawn_zero())
         answer = [measured(sensor, episodes, tau_j=4.0).tau_j[0] for _ in range(50)]
         np.testing.assert_allclose(answer, 4.0 * (1 - np.exp(-300.0 * DT * np.arange(1, 51))), rtol=1e-12)
 
     def test_noise_is_white_and_offset_stays(self):
         sensor = hw.TorqueSensor(noise=np.array([0.1, 0.5]), offset=1.0)
-        episodes = begin(sensor, drawn={"offset": np.array([0.3, -0.2])})
+        episodes = begin(sensor, drawn=drawn_zero(offset=[0.3, -0.2]))
         seen = [measured(sensor, episodes).tau_j for _ in range(20_000)]
         noise = np.array(seen) - [0.3, -0.2]
         assert np.abs(noise.mean(axis=0) / [0.1, 0.5]).max() < 4 / np.sqrt(20_000)
         np.testing.assert_allclose(noise.std(axis=0), [0.1, 0.5], rtol=0.03)
         for joint in noise.T:
             assert abs(np.corrcoef(joint[1:], joint[:-1])[0, 1]) < 0.03
+
+    def test_a_zero_that_was_nulled_is_off_by_the_averages_noise_the_loads_error_and_the_drift(self):
+        """Not by the offset; against the mean of so many readings, less the load as it is known."""
+        sensor = hw.TorqueSensor(noise=0.5, offset=9.0, nulled=0.4, load_error=0.1, drift=0.2)
+        drawn = drawn_zero(offset=[7.0, -5.0], drift=[0.1, 0.2], load=[0.02, -0.05], average=[1.0, -2.0])
+        load = np.array([10.0, 4.0])
+        memory = begin(sensor, drawn=drawn, tau_j=load).memory
+        known = load * (1.0 + drawn["load"])
+        average = load + drawn["offset"] + 0.5 / np.sqrt(400) * drawn["average"]
+        np.testing.assert_allclose(memory["zero"][0], drawn["offset"] + drawn["drift"] - (average - known), atol=1e-12)
+        raw = begin(sensor.raw, drawn=drawn, tau_j=load).memory
+        np.testing.assert_allclose(raw["zero"][0], drawn["offset"] + drawn["drift"])
+
+    @every_env
+    def test_the_raw_tier_is_the_same_but_for_the_nulling(self, env_id):
+        """Same draws; the calibrated zero is off by far less than the raw one, and not by nothing."""
+        own = make(env_id, variant="hardware").simulation.robot.hardware
+        envs = [make(env_id, variant="hardware", hardware=each) for each in (own, own.raw)]
+        first, second = (env.simulation.scenarios[0].hardware.drawn["TorqueSensor"] for env in envs)
+        for name, value in first.items():
+            np.testing.assert_array_equal(value, second[name])
+        zeros: list[list[np.ndarray]] = [[], []]
+        for env, found in zip(envs, zeros, strict=True):
+            for seed in range(8):
+                env.reset(seed=seed)
+                found.append(env.simulation.hardware_model.get_state().memory["TorqueSensor"]["zero"])
+        calibrated, raw = (np.mean(np.abs(found) / own.sensors.torque.offset) for found in zeros)
+        assert 0.0 < calibrated < 0.5 * raw
 
     def test_a_tachometer_measures_velocity_itself(self):
         encoder = hw.MotorEncoder(resolution=1.0)
@@ -115,8 +148,8 @@ class TestJoint:
         temperature = start + 4.0 * (1 - np.exp(-0.5))
         np.testing.assert_allclose(added[0], [0.3, 0.5])
         np.testing.assert_array_equal(stiction, 0.0)
-        np.testing.assert_allclose(dry[0], np.exp(-0.005 * temperature))
-        np.testing.assert_allclose(viscous[0], np.exp(-0.02 * temperature))
+        np.testing.assert_allclose(dry[0], np.exp(-0.01 * temperature))
+        np.testing.assert_allclose(viscous[0], np.exp(-0.03 * temperature))
 
     def test_the_plants_friction_is_what_load_and_temperature_make_of_it(self):
         """f_c, f_s of the episode times dry plus added; sigma_2 times viscous; as the plant has them."""
@@ -127,9 +160,9 @@ class TestJoint:
             tau_j = plant.tau_j.copy()
             env.step(np.zeros(7))
             for name in ("f_c", "f_s"):
-                expected = getattr(own, name) * np.exp(-0.005 * 15.0) + 0.2 * np.abs(tau_j[0])
+                expected = getattr(own, name) * np.exp(-0.01 * 15.0) + 0.2 * np.abs(tau_j[0])
                 np.testing.assert_allclose(plant._friction[name][0], expected, rtol=1e-12)
-            np.testing.assert_allclose(plant._friction["sigma_2"][0], own.sigma_2 * np.exp(-0.02 * 15.0), rtol=1e-12)
+            np.testing.assert_allclose(plant._friction["sigma_2"][0], own.sigma_2 * np.exp(-0.03 * 15.0), rtol=1e-12)
 
     def test_link_friction_is_the_solvers(self):
         """The frictionless motor with a rough link, 0.4 s: control and damper are held over a period."""

@@ -12,6 +12,7 @@ from tables import KEYS, REGULATION, SQUARE, STICTION, synthetic
 from fo_gym.evaluation.metrics import METRICS
 from fo_gym.evaluation.results.leaderboard import STANDING, is_baseline, leaderboard, overall, standings
 from fo_gym.evaluation.results.tables import finding, rankings
+from fo_gym.evaluation.results.ties import LEVEL
 from fo_gym.evaluation.runs.provenance import provenance
 
 BASE = np.linspace(0.1, 0.9, 20)
@@ -41,8 +42,20 @@ def test_means_are_interquartile_and_inside_their_interval() -> None:
     )
     assert table["frr"].tolist() == pytest.approx([0.5, 0.1])
     assert table["steady_state_error_ju"].tolist() == pytest.approx([3.0, 3.0])
+    assert table["joint_rms_error_ju"].isna().all()
     assert table["frr_ci_low"][0] < 0.5 < table["frr_ci_high"][0]
     assert table.loc[1, ["frr_ci_low", "frr_ci_high"]].tolist() == pytest.approx([0.1, 0.1])
+
+
+def test_shares_are_shares_and_hunting_is_told_of_the_episodes_that_hunt() -> None:
+    """Of four episodes one does not apply, and of the other three two hunt, by 3 and 5."""
+    hunting = {"hunting_ratio": [1.0, math.nan, 0.0, 1.0], "limit_cycle_peak_to_peak_ju": [3.0, math.nan, 1e-9, 5.0]}
+    table = leaderboard(synthetic({"a": [0.9] * 4}, **hunting))
+    assert table["hunting_ratio"][0] == pytest.approx(2.0 / 3.0)
+    assert table["limit_cycle_peak_to_peak_ju"][0] == pytest.approx(4.0)
+    calm = leaderboard(synthetic({"a": [0.9] * 4}, hunting_ratio=0.0, limit_cycle_peak_to_peak_ju=1e-9)).iloc[0]
+    assert calm["hunting_ratio"] == 0.0
+    assert math.isnan(calm["limit_cycle_peak_to_peak_ju"])
 
 
 def test_the_interval_of_one_episode_is_its_value() -> None:
@@ -84,15 +97,37 @@ def test_verdicts_where_the_answer_is_known() -> None:
 
 def test_verdicts_compare_seed_by_seed() -> None:
     """A small and steady distance counts, although it drowns in the spread between the episodes."""
-    close = synthetic({"best": list(BASE), "behind": list(BASE - 0.001)})
+    close = synthetic({"best": list(BASE), "behind": list(BASE - 0.002)})
     assert standings(close)["verdict"].tolist() == ["best", "behind"]
     assert standings(close.sample(frac=1.0, random_state=3))["verdict"].tolist() == ["best", "behind"]
 
 
+@pytest.mark.parametrize("variant", ["randomized", "nominal"])
+def test_what_no_robot_could_show_is_tied(variant: str) -> None:
+    """However steady, a difference below the smallest relevant one ranks nobody, of one episode neither."""
+    for count in (20, 1):
+        frr = {"best": list(BASE[:count]), "tied": list(BASE[:count] - 0.0009), "behind": list(BASE[:count] - 0.0011)}
+        table = standings(synthetic(frr, variant))
+        assert table["verdict"].tolist() == ["best", "tied", "behind"]
+        assert table["tied_group"].tolist() == ["a", "ab", "b"]
+
+
+def test_many_rows_ask_for_more() -> None:
+    """A difference that is significant of one pair is not where hundreds of other pairs are looked at as well."""
+    source = np.random.default_rng(0)
+    noise = source.normal(size=20)
+    pair = {"best": list(BASE), "other": list(BASE - 0.01 + 0.0105 * (noise - noise.mean()))}
+    crowd = {f"n{i}": list(BASE - 1.0 + 0.02 * source.normal(size=20)) for i in range(23)}
+    alone, among = (standings(synthetic(frr)).set_index("compensator").loc["other"] for frr in (pair, pair | crowd))
+    assert (alone["verdict"], among["verdict"]) == ("behind", "tied")
+    assert alone["frr_to_best_p"] < LEVEL < among["frr_to_best_p"]
+    assert among["frr_to_best_ci_low"] == alone["frr_to_best_ci_low"]
+
+
 def test_a_new_competitor_leaves_the_other_rows_alone() -> None:
-    """What is said of a row alone, and of it and the best, stays to the bit; ranks and letters may move on."""
+    """What is said of a row alone, and its difference to the best, stays to the bit; what needs the others may move."""
     small, large = synthetic(KNOWN), synthetic({"new": list(BASE[::-1] - 0.2), **KNOWN})
-    moves = ["rank", "rank_ci_low", "rank_ci_high", "tied_group"]
+    moves = ["rank", "rank_ci_low", "rank_ci_high", "tied_group", "frr_to_best_p"]
     before, after = (leaderboard(table).drop(columns=moves).to_csv(index=False) for table in (small, large))
     assert [line for line in after.splitlines() if ",new," not in line] == before.splitlines()
 
@@ -178,17 +213,17 @@ def test_the_page_begins_with_all_environments_together() -> None:
     episodes = three({"a": (0.9, 0.8, 0.1), "none": (0.0, 0.0, 0.0)})
     everywhere, *single = rankings(episodes)
     assert everywhere.title == "All environments, hardware"
-    assert everywhere.headings[:6] == ["rank", "compensator", "FRR", "95 % interval", "ranks", "group"]
-    assert everywhere.cells[0][:3] == ["1", "a", "0.5900"]
-    assert everywhere.cells[0][4:] == ["1 ... 1", "a", "best"]
-    assert everywhere.cells[1][4:] == ["", "", "reference"]
+    assert everywhere.headings[:6] == ["rank", "compensator", "FRR", "1-FRR", "95 % interval", "ranks"]
+    assert everywhere.cells[0][:5] == ["1", "a", "0.5900", "0.41", "0.41 ... 0.41"]
+    assert everywhere.cells[0][5:] == ["1 ... 1", "a", "best"]
+    assert everywhere.cells[1][5:] == ["", "", "reference"]
     assert [ranking.title for ranking in single] == [f"{env}, hardware" for env in (STICTION, REGULATION, SQUARE)]
     assert list(rankings(episodes, leaderboard(episodes)))[1:] == single
 
 
 FINDING = (
     "In `hardware`, `b` is best on FJRStiction-v0, tied with nobody; `a` is best on FJRRegulation-v0, tied with "
-    "`e` and `b`; `a` is best on FJRSquare-v0, tied with `e`. Beaten by the best (95 % interval without zero): "
+    "`e` and `b`; `a` is best on FJRSquare-v0, tied with `e`. Behind the best, by more than chance and 0.001: "
     "everywhere: `c`; on FJRStiction-v0: `a`, `e`; on FJRSquare-v0: `b`; without a score somewhere: `d`."
 )
 
@@ -208,6 +243,6 @@ def test_the_finding_names_who_is_tied_and_who_is_beaten() -> None:
 def test_the_finding_where_nobody_is_beaten_or_scored() -> None:
     assert finding(leaderboard(synthetic({"a": [0.5]})), "randomized") == (
         f"In `randomized`, `a` is best on {SQUARE}, tied with nobody. "
-        "Beaten by the best (95 % interval without zero): nobody."
+        "Behind the best, by more than chance and 0.001: nobody."
     )
     assert f"nobody has a score on {SQUARE}. " in finding(leaderboard(synthetic({"a": [math.nan]})), "randomized")

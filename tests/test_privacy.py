@@ -13,7 +13,7 @@ from answering import DOF, STICTION, Answering, arrays, assert_same, episodes, s
 from fo_gym import LuGre, Signals
 from fo_gym.signals import SIGNALS
 
-PRIVATE = ("q", "q_dot", "z", "tau_f")
+PRIVATE = ("q", "q_dot", "z", "tau_f", "tau_dist")
 
 
 def contents(thing: Any, path: str) -> dict[str, Any]:
@@ -45,10 +45,11 @@ def test_no_compensator_sees_the_truth(env_id: str) -> None:
         _, _, _, _, info = env.step(np.zeros((2, DOF[env_id])))
     episodes(env_id, (7, 8)).record(spy, "spy")
 
-    expected = {f"signals.{name}" for name in (*SIGNALS, "time", "reference", "available")}
+    expected = {f"signals.{name}" for name in (*SIGNALS, "time", "reference", "available", "truth")}
     expected |= {f"joints.{name}" for name in ("dof", "motor_inertia", "stiffness", "torque_limit", "control_dt")}
     expected |= {f"joints.identified.{field.name}" for field in fields(LuGre)}
     assert {path for path in seen if not path.endswith(".base")} == expected
+    assert not any(value is not None for value in seen["signals.truth"])
     simulation = env.unwrapped.simulation
     secrets = {name: np.array(values) for name, values in truth.items()}
     for field in ("sigma_0", "sigma_1", "sigma_2", "f_c", "f_s", "v_s"):

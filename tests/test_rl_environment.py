@@ -32,7 +32,7 @@ class TestEnvironment:
             "physics_dt": "auto",
         }
         robots = gym.make_vec(STICTION, feedback="nominal", **arguments)
-        twins = gym.make_vec(STICTION, friction=fo_gym.FRICTIONLESS, **arguments)
+        twins = gym.make_vec(STICTION, disturbed=False, **arguments)
         obs, _ = robots.reset(seed=11)
         twins.reset(seed=11)
         observer = PIDObserver(design.L, design.Lp, design.Li)

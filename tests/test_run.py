@@ -92,7 +92,7 @@ def out(folder: Path, protocol: Protocol, results: Results) -> Path:
 def test_every_competitor_has_every_episode_in_order(results: Results, protocol: Protocol) -> None:
     table = results.episodes
     first, second = LEADERBOARD_SEEDS[:2]
-    expected = [("nominal", name, first) for name in ORDER]
+    expected = [("nominal", name, seed) for name in ORDER for seed in (0, 1)]
     expected += [("randomized", name, seed) for name in ORDER for seed in (first, second)]
     assert list(table[[*KEY, "seed"]].itertuples(index=False, name=None)) == expected
     assert set(table["env"]) == {SQUARE}
@@ -141,11 +141,11 @@ def test_the_references_are_the_ends_of_the_scale(results: Results) -> None:
 
 
 def test_the_seeds_make_a_difference(results: Results) -> None:
-    assert results.episodes.query("compensator == 'pid-high'")["frr"].nunique() == 3
+    assert results.episodes.query("compensator == 'pid-high'")["frr"].nunique() == 4
 
 
 def test_progress_is_told_as_often_as_there_are_runs(results: Results, labels: list[str]) -> None:
-    expected = [f"{SQUARE}, {variant}: none, ideal" for variant in ("nominal", "randomized")]
+    expected = [f"{SQUARE}, {variant}: none, ideal, bound" for variant in ("nominal", "randomized")]
     expected += [f"{SQUARE}, {variant}: {name}" for variant in ("nominal", "randomized") for name in ORDER[2:]]
     assert labels == expected
     assert len(results.timing) == 2 * (len(ORDER) - 2)

@@ -1,4 +1,4 @@
-"""Means, intervals, differences, ranks and groups: known answers, coverage, and where chance comes from."""
+"""Means, intervals, differences and ranks: known answers, coverage, and where chance comes from."""
 
 from __future__ import annotations
 
@@ -20,8 +20,6 @@ from fo_gym.evaluation.results.statistics import (
     stratified_difference,
     stratified_interval,
     stratified_mean,
-    tied,
-    tied_groups,
 )
 
 SAMPLES = st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=30)
@@ -169,7 +167,7 @@ def test_paired_difference_sees_what_the_spread_of_the_episodes_hides() -> None:
     mean, low, high = paired_difference(a, hard, rng(2))
     assert low < mean < high
     assert mean == pytest.approx(1.0, abs=0.1)
-    assert not tied(low, high)
+    assert low > 0.0
     unpaired = bootstrap_interval(a, rng(2))
     assert unpaired[0] < interquartile_mean(hard) < unpaired[1]
 
@@ -187,18 +185,6 @@ def test_paired_difference_leaves_out_incomplete_pairs() -> None:
 def test_pairs_need_the_same_seeds() -> None:
     with pytest.raises(ValueError, match="same seeds"):
         paired_difference([1.0, 2.0], [1.0], rng())
-
-
-@pytest.mark.parametrize(
-    ("low", "high", "expected"),
-    [(-1.0, 1.0, True), (0.0, 1.0, True), (-1.0, 0.0, True), (0.1, 1.0, False), (-1.0, -0.1, False)],
-)
-def test_tied(low: float, high: float, expected: bool) -> None:
-    assert tied(low, high) is expected
-
-
-def test_no_interval_is_no_tie() -> None:
-    assert tied(math.nan, math.nan) is False
 
 
 def test_strata_count_the_same_whatever_their_size() -> None:
@@ -229,14 +215,14 @@ def test_stratified_intervals_cover_at_about_their_stated_rate() -> None:
 
 
 @pytest.mark.slow
-def test_equal_competitors_are_tied_at_about_the_stated_rate() -> None:
+def test_differences_of_equals_hold_zero_at_about_the_stated_rate() -> None:
     source, repeats = rng(3), 1000
     same = 0
     for _ in range(repeats):
         hard = source.normal(size=(2, 20))
         one, other = (list(hard + 0.1 * source.normal(size=hard.shape)) for _ in range(2))
         _, low, high = stratified_difference(one, other, source)
-        same += tied(low, high)
+        same += low <= 0.0 <= high
     assert abs(same / repeats - 0.95) < binomial_tolerance(0.95, repeats)
 
 
@@ -265,31 +251,6 @@ def test_ranks_compare_seed_by_seed() -> None:
     """A steady distance decides, although it drowns in the spread between the episodes."""
     hard = rng().normal(size=(20, 1))
     assert rank_intervals([hard + np.array([0.0, 0.01])], rng()).tolist() == [[2, 2], [1, 1]]
-
-
-GROUPS = [
-    ([], ["a", "a", "a", "a"]),
-    ([(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)], ["a", "b", "c", "d"]),
-    ([(0, 2), (0, 3), (1, 3)], ["a", "ab", "bc", "c"]),
-    ([(0, 1), (0, 2), (0, 3)], ["a", "b", "b", "b"]),
-    ([(1, 2)], ["ab", "a", "b", "ab"]),
-]
-
-
-@pytest.mark.parametrize(("apart", "letters"), GROUPS)
-def test_tied_groups(apart: list[tuple[int, int]], letters: list[str]) -> None:
-    ties = np.ones((4, 4), dtype=bool)
-    for i, j in apart:
-        ties[i, j] = ties[j, i] = False
-    assert tied_groups(ties) == letters
-
-
-@given(st.integers(0, 2**32 - 1))
-def test_those_who_share_a_letter_are_those_who_are_tied(seed: int) -> None:
-    ties = rng(seed).random((8, 8)) < 0.6
-    ties = ties | ties.T | np.eye(8, dtype=bool)
-    groups = [set(letters) for letters in tied_groups(ties)]
-    assert np.array_equal([[bool(one & other) for other in groups] for one in groups], ties)
 
 
 def test_differences_need_the_same_strata() -> None:

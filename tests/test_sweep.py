@@ -82,7 +82,7 @@ def test_the_references_run_once_and_refused_sets_never() -> None:
     episodes = EpisodeSet(STICTION, "nominal", (1,), {"duration": 0.05})
     plan = Plan(Grid("pid-high", {"Lp": [10.0, 14.5, 20.0]}), [episodes], jobs=1)
     rows = plan.table(run_contests(plan.contests, "", backend=Processes(1), on_run=told.append))
-    assert [label.rpartition(": ")[2] for label in told] == ["none, ideal", "pid-high Lp=14.5", "pid-high Lp=20"]
+    assert [label.rpartition(": ")[2] for label in told] == ["none, ideal, bound", "pid-high Lp=14.5", "pid-high Lp=20"]
     assert rows["status"].tolist() == ["failed", "ok", "ok"]
     assert "Lp^2 = 100 is not above 2 Li = 200" in rows["error"][0]
     assert np.isnan(rows["frr"][0])
@@ -158,7 +158,7 @@ def test_a_batch_is_not_larger_than_memory_and_workers_ask() -> None:
         .together
         for seeds, jobs in ((1, 1), (1, 4), (20, 1), (500, 1))
     }
-    assert sizes == {(1, 1): 12, (1, 4): 3, (20, 1): 3, (500, 1): 1}
+    assert sizes == {(1, 1): 12, (1, 4): 3, (20, 1): 1, (500, 1): 1}
     assert Contest(EpisodeSet(STICTION, "nominal", (1,), {}), ()).together == 1
 
 

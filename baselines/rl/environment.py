@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from baselines.rl.course import course_of
 from baselines.rl.design import Design
 from baselines.rl.loop import FEATURES, PolicyLoop
-from fo_gym import FRICTIONLESS, JointInfo, Signals
+from fo_gym import JointInfo, Signals
 
 Array = NDArray[np.float64]
 
@@ -66,7 +66,7 @@ class TrainingEnv(VectorEnv[Any, Any, Any]):
             "physics_dt": "auto",  # the course has faster joints than the default step follows
         }
         self._robots = gym.make_vec(env_id, feedback="nominal", **arguments)
-        self._twins = gym.make_vec(env_id, friction=FRICTIONLESS, **arguments)
+        self._twins = gym.make_vec(env_id, disturbed=False, **arguments)
         assert self._robots.single_action_space.shape is not None
         (self._dof,) = self._robots.single_action_space.shape
         self._loop = PolicyLoop(design)

@@ -72,11 +72,12 @@ def row_of(file: Path, task: str, problems: list[str]) -> dict[str, float]:
         return row
     for name in COMPENSATORS:
         try:
-            recording = episodes.record(fo_gym.make_compensator(name), name)
+            compensator = fo_gym.make_compensator(name)
+            recording = episodes.record(compensator, name)
         except (fo_gym.CompensatorError, ValueError) as error:
             problems.append(f"{file}, {task}, {name}: {error}")
             continue
-        score = rows(episodes, name, recording, References(ideal.motions, none.motions)).iloc[0]
+        score = rows(episodes, name, recording, References(ideal.motions, none.motions), compensator).iloc[0]
         row[name] = score["frr"]
         if score["status"] != "ok":
             problems.append(f"{file}, {task}, {name}: {score['error']}")

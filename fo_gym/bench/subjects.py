@@ -74,7 +74,7 @@ def _twin(simulation: Simulation) -> Subject:
     batch.bind("qpos")[:] = np.concatenate([plant.q, plant.theta], axis=1)
     batch.bind("qvel")[:] = np.concatenate([plant.q_dot, plant.theta_dot], axis=1)
     batch.bind("act")[:] = plant.z
-    batch.bind("ctrl")[:] = simulation.tau_m
+    batch.bind("ctrl")[:] = simulation.past.tau_m
     start = batch.state.copy()
     steps = round(simulation.settings.control_dt / TWIN_TIMESTEP)
     return Subject(call=partial(batch.step, nstep=steps), prepare=partial(np.copyto, batch.state, start))

@@ -50,8 +50,10 @@ def run_evaluate(
     env: Annotated[str, typer.Option(help="Environment id; see `fo-gym list`.")] = "FJRStiction-v0",
     robot: RobotOption = None,
     law: LawOption = None,
-    variant: Annotated[str, typer.Option(help="nominal (one episode), randomized or hardware.")] = "nominal",
-    seeds: Annotated[int, typer.Option(min=1, help="Episodes, from the validation seeds.")] = 20,
+    variant: Annotated[str, typer.Option(help="nominal, randomized or hardware.")] = "nominal",
+    seeds: Annotated[
+        int | None, typer.Option(min=1, help="Episodes, from the validation seeds; by default 20, of nominal 1.")
+    ] = None,
     gains: Annotated[
         list[str] | None,
         typer.Option(metavar="NAME=VALUE", help="Keyword argument of the class, repeatable; values as in TOML."),
@@ -93,6 +95,7 @@ def run_evaluate(
         fo-gym evaluate leaderboard/submissions/theirs.toml
     """
     from fo_gym.evaluation.runs.protocol import Protocol
+    from fo_gym.evaluation.runs.seeds import usual_count
 
     check_jobs(jobs)
     if traces and out is None:
@@ -103,8 +106,10 @@ def run_evaluate(
     try:
         given, others = _competitors(compensators, gains_of(gains or ()), name, baselines)
         names = tuple(competitor.name for competitor in (*given, *others))
-        protocol = Protocol("evaluate", "validation", seeds, (env,), (variant,), names, robots_of(robot), laws_of(law))
-    except ValueError as error:
+        count = usual_count([variant]) if seeds is None else seeds
+        robots, laws = robots_of(robot), laws_of(law)
+        protocol = Protocol("evaluate", "validation", count, (env,), (variant,), names, robots, laws)
+    except (ValueError, OSError) as error:
         raise Stop(str(error)) from error
     if out is not None:
         _check_ranking(names)

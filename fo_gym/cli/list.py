@@ -66,4 +66,4 @@ def _found(sources: Sequence[str]) -> dict[str, list[str]]:
 def _environment(row: Environment) -> str:
     """An environment with its tags, its robot, and where it is from."""
     source = f", from {row.source}" if row.source else ""
-    return f"{row.id} ({', '.join(sorted(row.tags))}): on {getattr(row.robot, 'name', row.robot)}{source}"
+    return f"{row.id} ({', '.join(sorted(row.tags))}): on {row.robot_name}{source}"

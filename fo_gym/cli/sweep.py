@@ -35,9 +35,11 @@ def run_sweep(
     env: Annotated[list[str] | None, typer.Option(help="Environment id, repeatable; FJRStiction-v0.")] = None,
     robot: RobotOption = None,
     variant: Annotated[
-        list[str] | None, typer.Option(help="nominal (one episode), randomized or hardware, repeatable; nominal.")
+        list[str] | None, typer.Option(help="nominal, randomized or hardware, repeatable; nominal.")
     ] = None,
-    seeds: Annotated[int, typer.Option(min=1, help="Episodes, from the validation seeds.")] = 20,
+    seeds: Annotated[
+        int | None, typer.Option(min=1, help="Episodes, from the validation seeds; by default 20, of nominal alone 1.")
+    ] = None,
     out: Annotated[Path | None, typer.Option(file_okay=False, help="Folder for sweep.csv and sweep.png.")] = None,
     jobs: Jobs = -1,
     store: StoreFolder = STORE,
@@ -56,6 +58,7 @@ def run_sweep(
     """
     from fo_gym.compensators import CompensatorError
     from fo_gym.evaluation.runs.protocol import Protocol
+    from fo_gym.evaluation.runs.seeds import usual_count
 
     check_jobs(jobs)
     if out is not None:
@@ -64,7 +67,8 @@ def run_sweep(
     values = gain_sets(gains)
     envs, variants = tuple(env or ["FJRStiction-v0"]), tuple(variant or ["nominal"])
     try:
-        protocol = Protocol("sweep", "validation", seeds, envs, variants, (compensator,), robots_of(robot))
+        count = usual_count(variants) if seeds is None else seeds
+        protocol = Protocol("sweep", "validation", count, envs, variants, (compensator,), robots_of(robot))
         from fo_gym.evaluation.results.sweep import Grid, Plan
         from fo_gym.evaluation.runs.contest import episodes_in
 

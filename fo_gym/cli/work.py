@@ -122,8 +122,15 @@ def working(
 
 
 def robots_of(robot: str | None) -> dict[str, str]:
-    """The robots of a protocol that run on the one that --robot names, called after its file."""
-    return {} if robot is None else {Path(robot).stem: robot}
+    """The robots of a protocol that run on the one that --robot names, by its name.
+
+    Raises:
+        FileNotFoundError: there is no such file.
+        ValueError: there is no such shipped robot, or the file makes none.
+    """
+    from fo_gym.robots import robot_of
+
+    return {} if robot is None else {robot_of(robot).name: robot}
 
 
 def laws_of(law: str | None) -> tuple[str, ...]:

@@ -44,7 +44,7 @@ def register(env_id: str, robot: RobotLike, task: TaskLike, *, tags: Iterable[st
         raise ValueError(f"env_id {env_id!r} is taken, by {taken.source or 'fo_gym'}; choose another one")
     own = robot_of(robot)
     made_for(own, task).fitted_to(own)  # what does not fit is told now
-    add(Environment(env_id, "fo_gym.envs.made:Made", frozenset({*tags, _OWN}), robot, task, source))
+    add(Environment(env_id, "fo_gym.envs.made:Made", frozenset({*tags, _OWN}), own, task, source))
 
 
 def _source(caller: dict[str, Any]) -> str:

@@ -45,9 +45,10 @@ class Environment:
     Attributes:
         id: by which `gymnasium.make` finds it.
         entry_point: "module:Name", where NameEnv is the single and NameVectorEnv the batched environment.
-        tags: what it is, for whoever picks some of them: "link" | "arm" (takes any robot), "step" | "path" | "square",
+        tags: what it is, for whoever picks some of them: "link" | "arm" (takes any robot), "step" | "path" | "square" |
+            "hand",
             and "own" of one that `register` made.
-        robot: its own robot, as `Settings.robot` takes it.
+        robot: its own robot: the name of a shipped one, or a Robot.
         task: what `register` was given; None of the project's own, whose class names it.
         source: module or file that registered it, to be imported where it is not known; "" of the project's own.
     """
@@ -58,6 +59,11 @@ class Environment:
     robot: Any
     task: Any = None
     source: str = ""
+
+    @property
+    def robot_name(self) -> str:
+        """What its own robot is called."""
+        return str(getattr(self.robot, "name", self.robot))
 
 
 ENVIRONMENTS: dict[str, Environment] = {}
@@ -82,6 +88,7 @@ for _id, _name, _tags, _robot in (
     ("FJRRegulation-v0", "regulation:Regulation", {"arm", "step"}, "miro_like"),
     ("FJRSquare-v0", "square:Square", {"arm", "square"}, "miro_like"),
     ("FJRTracking-v0", "tracking:Tracking", {"arm", "path"}, "miro_like"),
+    ("FJRInteraction-v0", "interaction:Interaction", {"arm", "hand"}, "miro_like"),
 ):
     add(Environment(_id, f"fo_gym.envs.{_name}", frozenset(_tags), _robot))
 

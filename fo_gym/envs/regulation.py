@@ -11,8 +11,8 @@ class RegulationEnv(JointEnv):
     """A 7-joint MIRO-like arm holds its pose, steps by -5 degrees on every joint at 3 s, and is pushed at 13 s.
 
     The task's controller is motor PD with gravity at the desired pose, tau_c = -K_p (theta_* - theta_d) -
-    K_d theta_*' + g(q_d), with theta_* the measured or the nominal motor (`feedback`). Joint 2 is under-damped
-    without friction, and what friction the estimate leaves decides where it comes to rest.
+    K_d theta_*' + g(q_d), with theta_* the measured or the nominal motor (`feedback`). The joints are under-damped
+    without friction, and what friction the estimate leaves decides where they come to rest, and whether they do.
 
     ## Action
 
@@ -52,7 +52,7 @@ class RegulationEnv(JointEnv):
     ## Start and end
 
     At rest in the robot file's "home" (randomized: each joint within 0.02 rad of it). The push is a sin^2 pulse of
-    0.5 s with a peak of 10 N m at joint 2. The episode is truncated after 20 s, and terminated with
+    0.5 s with a peak of 10 N m at joint 2. The episode is truncated after 50 s, and terminated with
     `info["termination"]` = "joint_limit" when a link leaves its joint's range, or "non_finite".
 
     ## Arguments

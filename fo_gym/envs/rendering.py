@@ -1,7 +1,7 @@
 """Pictures of a simulation, as images or in a window, with what the robot file does not show.
 
-Beside the robot there are the motor and the spring of the single link, the target, and on a tool path the reference
-and the tool's trace. OpenGL is asked for with the first frame, not before.
+Beside the robot there are the motor and the spring of the single link, the target, on a tool path the reference and the
+tool's trace, and a hand that guides the tool. OpenGL is asked for with the first frame, not before.
 """
 
 from __future__ import annotations
@@ -35,6 +35,7 @@ DESIRED: Colour = (0.0, 0.35, 0.15, 1.0)
 TARGET: Colour = (0.0, 0.75, 0.35, 0.55)
 DONE: Colour = (0.85, 0.05, 0.20, 1.0)
 STEEL: Colour = (0.60, 0.63, 0.67, 1.0)
+HAND: Colour = (0.87, 0.64, 0.47, 1.0)
 
 _SHAPES = mujoco.mjtGeom
 _MOTOR = "motor"
@@ -214,6 +215,12 @@ class SceneRenderer:
             _add_line(scene, np.array(self._traces[i]), _SHAPES.mjGEOM_LINE, 3.5 * pixel, DONE)
         if self._tool is not None:
             _add(scene, _SHAPES.mjGEOM_SPHERE, TARGET, self._desired_tool(simulation, i), (0.008, 0.008, 0.008))
+        hands = simulation.hands
+        if hands is not None and hands.held[i] > 0.0:
+            # The hand's own point, joined to the tool by its spring.
+            _add(scene, _SHAPES.mjGEOM_SPHERE, HAND, hands.point[i], (0.02, 0.02, 0.02))
+            ends = np.array([hands.point[i], self._tool_at(simulation.plant.q[i])])
+            _add_line(scene, ends, _SHAPES.mjGEOM_CAPSULE, 0.005, HAND)
 
     def close(self) -> None:
         """Close the window and release OpenGL; closing twice is allowed."""

@@ -36,7 +36,8 @@ class JointEnv(gym.Env[Array, Array]):
     Subclasses name robot and task. Keyword arguments are those of `Settings`, and `render_mode`.
 
     `info` is privileged truth, (dof,) each: theta, theta_dot, q, q_dot, z at the new tick; over the past step tau_m,
-    tau_ext and tau_f_hat as they were applied (clipped; zeros for tau_f_hat in the "torque" mode) and the mean tau_f.
+    tau_ext and tau_f_hat as they were applied (clipped; zeros for tau_f_hat in the "torque" mode), and the means of the
+    friction tau_f and of tau_dist, which is tau_f and what else disturbs the motors: gear ripple, torques of effects.
 
     Raises:
         ValueError: an argument is not allowed; the message names the value and the remedy.

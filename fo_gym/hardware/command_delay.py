@@ -21,7 +21,9 @@ __all__ = ["MAX_DELAY", "CommandDelay"]
 
 @dataclass(frozen=True)
 class CommandDelay(Effect):
-    """Commands reach the motor late. Origin: ours; one cycle of a 1 kHz bus.
+    """Commands reach the motor late.
+
+    Origin: ours; on a 1 kHz bus readings take a cycle to the controller, and commands one back.
 
     Attributes:
         seconds: a whole number of control periods, from 0 to MAX_DELAY.

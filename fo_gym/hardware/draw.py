@@ -10,23 +10,9 @@ import numpy as np
 
 from fo_gym.checks import NOT_NEGATIVE, POSITIVE, instance, mapping, number, real, real_arrays, whole_number
 from fo_gym.generators import Streams
-from fo_gym.hardware.effect import Drawn, Effect
-from fo_gym.hardware.gear_ripple import GearRipple
+from fo_gym.hardware.effect import Drawn
 from fo_gym.hardware.hardware import Hardware
-from fo_gym.hardware.model_error import ModelError
-from fo_gym.hardware.push_time import PushTime
-from fo_gym.hardware.temperature import Temperature
-from fo_gym.hardware.torque_sensor import TorqueSensor
 from fo_gym.parameters import FlexibleJoint, check_joints
-
-_ALWAYS_DRAWN: tuple[Effect, ...] = (
-    ModelError(),
-    TorqueSensor(noise=0.0, offset=0.0),
-    GearRipple(amplitude=0.0, period=1.0),
-    Temperature(),
-    PushTime((0.0, 0.0)),
-)
-"""What stands for an effect that is switched off: its draws are taken and dropped, and so the others' stay."""
 
 __all__ = ["HardwareDraw", "check_draw", "draw_hardware"]
 
@@ -51,35 +37,24 @@ class HardwareDraw:
 
 
 def draw_hardware(hardware: Hardware, joints: FlexibleJoint, streams: Streams) -> HardwareDraw:
-    """One episode's draws; those of the shipped effects always all of them, and before those of others.
+    """One episode's draws, each effect's from the random stream of its name, its noise from one of its own.
 
     Args:
         hardware: which effects there are.
         joints: the true motors and springs, arrays (dof,).
         streams: the episode's.
     """
-    effects = {effect.name: effect for effect in hardware.effects}
     drawn: dict[str, Drawn] = {}
     seeds: dict[str, int] = {}
-    for group in (tuple(effects.get(each.name, each) for each in _ALWAYS_DRAWN), hardware.others):
-        for effect in group:
-            values = effect.draw(np.size(joints.stiffness), streams(effect.name))
-            drawn[effect.name] = {key: real(f"{effect.name}.draw, {key}", value) for key, value in values.items()}
-        for effect in group:
-            if effect.noisy:
-                seeds[effect.name] = int(streams(f"{effect.name} noise").integers(np.iinfo(np.int64).max))
     believed, mass, push_time = joints, 1.0, None
-    for name, effect in effects.items():
-        drawn.setdefault(name, {})
-        believed, mass = effect.believe(believed, mass, drawn[name])
-        push_time = effect.pushed_at(push_time, drawn[name])
-    return HardwareDraw(
-        believed=believed,
-        believed_mass=mass,
-        push_time=push_time,
-        drawn={name: drawn[name] for name in effects},
-        noise_seeds={name: seed for name, seed in seeds.items() if name in effects},
-    )
+    for effect in hardware.effects:
+        values = effect.draw(np.size(joints.stiffness), streams(f"effect {effect.name}"))
+        drawn[effect.name] = {key: real(f"{effect.name}.draw, {key}", value) for key, value in values.items()}
+        if effect.noisy:
+            seeds[effect.name] = int(streams(f"noise of {effect.name}").integers(np.iinfo(np.int64).max))
+        believed, mass = effect.believe(believed, mass, drawn[effect.name])
+        push_time = effect.pushed_at(push_time, drawn[effect.name])
+    return HardwareDraw(believed, mass, push_time, drawn, seeds)
 
 
 def check_draw(name: str, draw: Any, like: HardwareDraw) -> None:

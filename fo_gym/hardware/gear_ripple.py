@@ -21,8 +21,9 @@ __all__ = ["GearRipple"]
 class GearRipple(Effect):
     """A torque on the motor that goes round with it, amplitude sin(2 pi theta / period + phase), phase per episode.
 
-    Origin: strain-wave gears ripple twice per turn of the wave generator, here 200 times per turn of the link; the
-    amplitude is ours.
+    Origin: strain-wave gears ripple twice per turn of the wave generator, here 200 times per turn of the link: their
+    losses vary periodically with rotation (Tuttle 1992), and motor and joint deflect periodically against each other in
+    an arm with torque sensors (Chawda and Niemeyer, ICRA 2017). The amplitude is ours.
 
     Attributes:
         amplitude: [N | N m], at least 0.

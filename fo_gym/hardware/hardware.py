@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from fo_gym.checks import instance, text
 from fo_gym.hardware.command_delay import CommandDelay
@@ -34,6 +34,9 @@ __all__ = ["Hardware"]
 @dataclass(frozen=True)
 class Hardware:
     """What sets a robot apart from its model; None switches an effect off.
+
+    There are two tiers of it. The shipped robots and those by design have the calibrated one: their torque sensors were
+    nulled at rest before the start, as laboratories do. `raw` is the one below: the same sensors as they are.
 
     Attributes:
         sensors: encoder and torque sensor.
@@ -69,6 +72,12 @@ class Hardware:
         for name, count in Counter(effect.name for effect in self.effects).items():
             if count > 1:
                 raise ValueError(f"Hardware has {count} effects named {name!r}; give each of them a `name` of its own")
+
+    @property
+    def raw(self) -> Hardware:
+        """The same where nobody has nulled the torque sensor: the tier below the calibrated one."""
+        torque = self.sensors.torque
+        return self if torque is None else replace(self, sensors=replace(self.sensors, torque=torque.raw))
 
     @property
     def effects(self) -> tuple[Effect, ...]:

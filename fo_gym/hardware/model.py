@@ -24,6 +24,9 @@ Ids = NDArray[np.intp]
 _HOOKS = ("measure", "command", "motor_torque", "link_damping", "friction")
 """Of every control period; an effect is asked for those that it overrides."""
 
+_DISTURBING = ("motor_torque", "friction")
+"""Those through which an effect disturbs the motors."""
+
 __all__ = ["HardwareModel", "HardwareState"]
 
 
@@ -50,10 +53,12 @@ class HardwareModel:
         hardware: the effects, or None.
         torque_limit: of the joints, (dof,) [N | N m].
         tachometer: whether the motors' velocity has a sensor of its own.
+        disturbed: whether effects disturb the motors; what else they do, they do in any case.
 
     Attributes:
         readings: of the sensors at the last look, (num_envs, dof) each.
         motor_inertia: B as controller, nominal motor and compensator know it, (num_envs, dof).
+        motor_torque: what gears and effects added to the motors' torque in the last control period, (num_envs, dof).
 
     Raises:
         ValueError: an effect has values for another number of joints, a hook of it gives something else than it is
@@ -61,7 +66,13 @@ class HardwareModel:
     """
 
     def __init__(
-        self, plant: FlexibleJointPlant, hardware: Hardware | None, torque_limit: Array, *, tachometer: bool
+        self,
+        plant: FlexibleJointPlant,
+        hardware: Hardware | None,
+        torque_limit: Array,
+        *,
+        tachometer: bool,
+        disturbed: bool = True,
     ) -> None:
         self.plant = plant
         self.motor_inertia = plant.motor_inertia.copy()
@@ -79,6 +90,9 @@ class HardwareModel:
         for effect, episodes in self._effects:
             check_hooks(effect, episodes)
         self._asked = {hook: [pair for pair in self._effects if pair[0].overrides(hook)] for hook in _HOOKS}
+        if not disturbed:
+            self._asked |= {hook: [] for hook in _DISTURBING}
+        self.motor_torque = np.zeros((plant.num_envs, plant.dof))
 
     def _truth(self) -> Truth:
         """How the joints are now: copies, which nobody writes into."""
@@ -108,6 +122,14 @@ class HardwareModel:
     def tau_j(self) -> Array:
         """Measured joint torques, (num_envs, dof) [N | N m]."""
         return self.readings.tau_j
+
+    @property
+    def friction_change(self) -> FrictionChange:
+        """What the effects make of the motors' friction as the joints are at the last look, or at their start."""
+        change = FrictionChange()
+        for effect, episodes in self._asked["friction"]:
+            change = change.then(effect.friction(episodes))
+        return change
 
     def begin(self, ids: Ids, motor_inertia: Array, draws: Sequence[HardwareDraw | None]) -> Array:
         """Start the named environments at rest; returns their true tau_j, (n, dof).
@@ -149,14 +171,12 @@ class HardwareModel:
     def step(self, tau_m: Array, tau_ext: Array) -> None:
         """Advance one control period under the motors' torque and the push, with what gears and bearings add."""
         if self._asked["friction"]:
-            change = FrictionChange()
-            for effect, episodes in self._asked["friction"]:
-                change = change.then(effect.friction(episodes))
-            self.plant.vary_friction(*change)
+            self.plant.vary_friction(*self.friction_change)
         if self._asked["link_damping"]:
             self.plant.link_damping[:] = sum(effect.link_damping(each) for effect, each in self._asked["link_damping"])
-        for effect, episodes in self._asked["motor_torque"]:
-            tau_m = tau_m + effect.motor_torque(episodes)
+        if self._asked["motor_torque"]:
+            self.motor_torque[:] = sum(effect.motor_torque(each) for effect, each in self._asked["motor_torque"])
+            tau_m = tau_m + self.motor_torque
         self.plant.step(tau_m, tau_ext)
 
     def _imperfect(self) -> dict[str, Array]:

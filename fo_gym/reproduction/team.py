@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.compensators import Compensator
-from fo_gym.evaluation.competitors.team import Team, by_feedback
+from fo_gym.evaluation.competitors.team import Team, alike
 from fo_gym.evaluation.episode.recorder import record
 from fo_gym.evaluation.episode.recording import Recording
 
@@ -53,13 +53,13 @@ class Run:
 def run_team(
     members: Mapping[str, Compensator], env_id: str, *, variant: str = "nominal", seed: int = 0, **env_kwargs: Any
 ) -> dict[str, Run]:
-    """Run every member on the same episode; members are batched by their feedback, which changes no result.
+    """Run every member on the same episode; members that are alike are batched, which changes no result.
 
     Raises:
         RuntimeError: an episode ended early.
     """
     runs: dict[str, Run] = {}
-    for names in by_feedback(members):
+    for names in alike(members):
         team = Team([members[name] for name in names])
         recording = record(team, "team", env_id, variant, [seed] * len(names), env_kwargs)
         if any(recording.terminations):

@@ -28,11 +28,11 @@ OBSERVERS = {"low": (50.0, 10.0, 25.0), "high": (100.0, 20.0, 100.0)}
 STEP = float(np.deg2rad(5.0))
 """The paper's step [rad, or natural units of a slide]."""
 
-__all__ = ["Advice", "Line", "advice"]
+__all__ = ["Advice", "Condition", "advice"]
 
 
 @dataclass(frozen=True)
-class Line:
+class Condition:
     """One condition.
 
     Attributes:
@@ -72,10 +72,10 @@ class Advice:
         lines: a condition each.
     """
 
-    lines: tuple[Line, ...]
+    lines: tuple[Condition, ...]
 
     @property
-    def unmet(self) -> tuple[Line, ...]:
+    def unmet(self) -> tuple[Condition, ...]:
         """What does not hold."""
         return tuple(line for line in self.lines if not line.met)
 
@@ -95,14 +95,14 @@ class _Subject:
     load: Array
     slope: Array
 
-    def worst(self, what: str, value: Value, relation: str, bound: Value, unit: str, why: str) -> Line:
+    def worst(self, what: str, value: Value, relation: str, bound: Value, unit: str, why: str) -> Condition:
         """The line of the joint where value / bound is farthest on the wrong side; unit "of a hinge | of a slide"."""
         values, bounds, _ = np.broadcast_arrays(value, bound, self.units)
         with np.errstate(divide="ignore", invalid="ignore"):
             share = np.where(values == bounds, 1.0, values / bounds)
         j = int(np.argmax(share) if relation == "<=" else np.argmin(share))
         unit = unit.split(" | ")[-1 if self.units[j] != 1.0 else 0]
-        return Line(what, float(values[j]), relation, float(bounds[j]), unit, self.names[j], why)
+        return Condition(what, float(values[j]), relation, float(bounds[j]), unit, self.names[j], why)
 
 
 def advice(
@@ -139,7 +139,7 @@ def advice(
     return Advice((*lines, *_pose(subject, poses, home, link_side.tool)))
 
 
-def _steps(subject: _Subject, control_dt: float) -> Iterator[Line]:
+def _steps(subject: _Subject, control_dt: float) -> Iterator[Condition]:
     joints = subject.joints
     mode = np.sqrt(joints.stiffness * (1.0 / joints.motor_inertia + subject.mobility))
     limit = LIMITS["spring"][1] / DEFAULT_PHYSICS_DT
@@ -155,22 +155,22 @@ def _steps(subject: _Subject, control_dt: float) -> Iterator[Line]:
     yield subject.worst("sqrt(K_j / B) dt", sampled, "<=", 0.5, "", why)
 
 
-def _springs(subject: _Subject) -> Iterator[Line]:
+def _springs(subject: _Subject) -> Iterator[Condition]:
     why = "gravity turns a softer spring over: the links have more than one rest"
     yield subject.worst("K_j above |dg/dq|", subject.joints.stiffness, ">=", subject.slope, "N m/rad | N/m", why)
     share = subject.load / subject.joints.torque_limit
     yield subject.worst("gravity at home / torque limit", share, "<=", 0.7, "", "too little is left to move with")
 
 
-def _observers(control_dt: float) -> Iterator[Line]:
+def _observers(control_dt: float) -> Iterator[Condition]:
     for name, (bandwidth, proportional, integral) in OBSERVERS.items():
         why = "an observer that samples slower rings, or diverges"
-        yield Line(f"L dt, {name} gains", bandwidth * control_dt, "<=", 0.5, "", "", why)
+        yield Condition(f"L dt, {name} gains", bandwidth * control_dt, "<=", 0.5, "", "", why)
         why = "Theorem 1 (Q > 0) of the PID-type observer"
-        yield Line(f"L_p^2 above 2 L_i, {name} gains", proportional**2, ">=", 2.0 * integral, "1/s^2", "", why)
+        yield Condition(f"L_p^2 above 2 L_i, {name} gains", proportional**2, ">=", 2.0 * integral, "1/s^2", "", why)
 
 
-def _friction(subject: _Subject) -> Iterator[Line]:
+def _friction(subject: _Subject) -> Iterator[Condition]:
     friction = subject.friction
     stiction = friction.level("stiction", friction.level("coulomb"))
     share = stiction / subject.joints.torque_limit
@@ -181,7 +181,7 @@ def _friction(subject: _Subject) -> Iterator[Line]:
         yield subject.worst("sigma_2, passive friction", friction.sigma_2, ">=", excess, "N m s/rad | N s/m", why)
 
 
-def _gains(subject: _Subject, gains: PDGains) -> Iterator[Line]:
+def _gains(subject: _Subject, gains: PDGains) -> Iterator[Condition]:
     joints, friction = subject.joints, subject.friction
     viscous, coulomb = (friction.level(level) for level in ("viscous", "coulomb"))
     why = "PD with gravity at the desired pose has more than one rest (Tomei 1991)"
@@ -201,10 +201,10 @@ def _gains(subject: _Subject, gains: PDGains) -> Iterator[Line]:
     yield subject.worst("torque of a step / what gravity leaves", asked, "<=", 0.8, "", "a step meets the torque limit")
 
 
-def _pose(subject: _Subject, poses: Poses, home: Array, tool: str | None) -> Iterator[Line]:
+def _pose(subject: _Subject, poses: Poses, home: Array, tool: str | None) -> Iterator[Condition]:
     why = "a step of 5 degrees may leave the joint's range"
     yield subject.worst("distance to a limit / what a step needs", room(poses.model, home), ">=", 1.0, "", why)
     if tool is not None and poses.model.nq >= 3:
         smallest = conditioning(poses, home, poses.reach())
         why = "near a singular pose the tool cannot follow a path"
-        yield Line("smallest singular value of J, scaled", smallest, ">=", SINGULAR, "", "", why)
+        yield Condition("smallest singular value of J, scaled", smallest, ">=", SINGULAR, "", "", why)

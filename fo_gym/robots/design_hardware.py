@@ -25,19 +25,22 @@ Array = NDArray[np.float64]
 ENCODER = 1e-6
 """Step of the motor's encoder, on the link side [rad]: 16 bits behind a gear of 100:1."""
 
-NOISE, OFFSET = 1e-3, 4e-3
-"""Of the torque sensor, as shares of the torque limit: together within the 2 % of the range that are published."""
+NOISE, OFFSET, DRIFT = 1e-3, 2e-2, 2e-3
+"""Of the torque sensor, as shares of the torque limit: an offset of the 2 % of the range that are published."""
+
+NULLED, LOAD_ERROR = 1.0, 2e-2
+"""Time at rest over which the torque sensor is nulled [s], and how well the load is known there."""
 
 ENCODER_CUTOFF, TORQUE_CUTOFF = 2.0 * np.pi * 150.0, 2.0 * np.pi * 200.0
 """Of the low-passes of velocity and torque [rad/s]: MIRO-like."""
 
-BUS = 1e-3
-"""Delay of commands [s]: one cycle of a bus at 1 kHz."""
+BUS = 2e-3
+"""Delay of commands [s]: two cycles of a bus at 1 kHz, there and back."""
 
-BEARINGS = 0.075
-"""Friction of the links' bearings as a share of the motor's: MIRO-like 0.3 of 4 N m."""
+BEARINGS = 0.1
+"""Friction of the links' bearings as a share of the motor's, MIRO-like."""
 
-RIPPLE, RIPPLES = 0.05, 200.0
+RIPPLE, RIPPLES = 0.1, 200.0
 """Amplitude of the gear's ripple as a share of f_c, MIRO-like; ripples per turn of the link, of strain-wave gears."""
 
 LOAD = 0.063
@@ -57,7 +60,14 @@ def designed_hardware(flexible: FlexibleJoint, friction: LuGre, units: Array) ->
     return Hardware(
         sensors=SensorModel(
             MotorEncoder(resolution=ENCODER * units, cutoff=ENCODER_CUTOFF),
-            TorqueSensor(noise=NOISE * limit, offset=OFFSET * limit, cutoff=TORQUE_CUTOFF),
+            TorqueSensor(
+                noise=NOISE * limit,
+                offset=OFFSET * limit,
+                cutoff=TORQUE_CUTOFF,
+                nulled=NULLED,
+                load_error=LOAD_ERROR,
+                drift=DRIFT * limit,
+            ),
         ),
         delay=CommandDelay(BUS),
         saturation=TorqueSaturation(),

@@ -36,6 +36,8 @@ _UNITS: dict[str, tuple[str, str]] = {
     "torque.noise": ("N m", "N"),
     "torque.offset": ("N m", "N"),
     "torque.cutoff": ("rad/s", "rad/s"),
+    "torque.nulled": ("s", "s"),
+    "torque.drift": ("N m", "N"),
     "delay.seconds": ("s", "s"),
     "link_friction.coulomb": ("N m", "N"),
     "link_friction.viscous": ("N m s/rad", "N s/m"),

@@ -10,10 +10,12 @@ import math
 import numpy as np
 from numba import njit
 
+from fo_gym.tasks.stroke import stroke_at
+
 INSIDE, OUTSIDE, LOST = 0, 1, 2
 """Where a joint's link is: in its range, out of it, or no longer a finite number."""
 
-__all__ = ["INSIDE", "LOST", "OUTSIDE", "rewards", "torques", "whereabouts"]
+__all__ = ["INSIDE", "LOST", "OUTSIDE", "pull", "rewards", "torques", "whereabouts"]
 
 
 @njit(cache=True, error_model="numpy")
@@ -46,6 +48,42 @@ def torques(ticks, dt, push_time, push_duration, push_torque, tau_c, action, lim
             if compensates:
                 tau_f_hat[i, j] = value
     return tau_f_hat, tau_m, tau_ext
+
+
+@njit(cache=True, error_model="numpy")
+def pull(after, gone, position, jacobian, q_dot, numbers, direction, gripped_at, point, held, force, tau_ext):
+    """Forces of hands, environment by environment, so that neighbours do not matter.
+
+    Args:
+        after, gone: since a hand gripped, and since it began to let go, (num_envs,) [s].
+        position, jacobian: of the tool, (num_envs, 3) and (num_envs, 6, dof).
+        q_dot: links, (num_envs, dof).
+        numbers: columns stroke, speed, turn, strokes, stiffness, damping, release, as of Hand; (num_envs, 7).
+        direction: of the strokes, (num_envs, 3).
+        gripped_at: set at the tick of the grip, (num_envs, 3).
+        point, held, force: out, see Hands.
+        tau_ext: J^T f is added, (num_envs, dof).
+    """
+    num_envs, dof = q_dot.shape
+    for i in range(num_envs):
+        stroke, speed, turn, strokes, stiffness, damping, release = numbers[i]
+        if after[i] == 0.0:
+            gripped_at[i] = position[i]
+        # s falls as 1 - 3 x^2 + 2 x^3 while the hand lets go.
+        x = min(max(gone[i] / release, 0.0), 1.0)
+        held[i] = 1.0 - x * x * (3.0 - 2.0 * x) if after[i] >= 0.0 else 0.0
+        if held[i] == 0.0:
+            continue
+        distance, rate = stroke_at(after[i], stroke, speed, turn, strokes)
+        for axis in range(3):
+            velocity = 0.0
+            for j in range(dof):
+                velocity += jacobian[i, axis, j] * q_dot[i, j]
+            point[i, axis] = gripped_at[i, axis] + distance * direction[i, axis]
+            spring = stiffness * (point[i, axis] - position[i, axis])
+            force[i, axis] = held[i] * (spring + damping * (rate * direction[i, axis] - velocity))
+            for j in range(dof):
+                tau_ext[i, j] += jacobian[i, axis, j] * force[i, axis]
 
 
 @njit(cache=True, error_model="numpy")

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
-from fo_gym.checks import POSITIVE, choice, instance, number, only, shown, whole_number
-from fo_gym.friction import FrictionLaw
+from fo_gym.checks import POSITIVE, choice, flag, instance, number, only, shown, whole_number
+from fo_gym.friction import FRICTIONLESS, FrictionLaw
 from fo_gym.hardware import Hardware, SensorModel
 from fo_gym.micro_steps import PhysicsDt, is_auto, micro_steps
 from fo_gym.parameters import FlexibleJoint, ImpedanceGains, PDGains
@@ -49,6 +49,8 @@ class Settings:
             nominal feedback; "full" = a tachometer as well.
         sensor_model: what the sensors make of the truth; None means the hardware's.
         hardware: effects, in any variant; None means the task's in "hardware" and none elsewhere.
+        disturbed: False takes away all that disturbs the motors (friction, gear ripple, torques of effects) and leaves
+            everything else, as the reference `ideal` has it.
         randomization: ranges from which "randomized" draws.
     """
 
@@ -67,6 +69,7 @@ class Settings:
     sensors: str = "joint"
     sensor_model: SensorModel | None = None
     hardware: Hardware | None = None
+    disturbed: bool = True
     randomization: Randomization | None = None
 
     def __post_init__(self) -> None:
@@ -92,6 +95,7 @@ class Settings:
         if not is_auto(self.physics_dt):
             micro_steps(self.control_dt, self.physics_dt)
         whole_number("decimation", self.decimation, 1)
+        flag("disturbed", self.disturbed)
         if self.sensors == "motor" and self.feedback == "nominal":
             raise ValueError("feedback 'nominal' needs the torque sensor that sensors='motor' lacks; use 'measured'")
 
@@ -117,7 +121,8 @@ class Settings:
         if robot is None or task is None:
             raise ValueError("this environment has no robot or task of its own; make it with robot=... and task=...")
         own = robot_of(robot)
-        own = replace(own, **_given(flexible=self.joints, friction=self.friction))
+        friction = self.friction if self.disturbed else FRICTIONLESS
+        own = replace(own, **_given(flexible=self.joints, friction=friction))
         made = made_for(own, task)
         made = replace(made, **_given(duration=self.duration, gains=self.gains, randomization=self.randomization))
         return replace(own, hardware=self._hardware_of(own, made)), made.fitted_to(own)

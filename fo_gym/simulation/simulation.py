@@ -17,7 +17,9 @@ from fo_gym.plant import FlexibleJointPlant
 from fo_gym.robots import RobotLike
 from fo_gym.robots.poses import joint_range
 from fo_gym.signals import SIGNALS, TIERS
+from fo_gym.simulation.hands import Hands
 from fo_gym.simulation.kernels import INSIDE, LOST, OUTSIDE, rewards, torques, whereabouts
+from fo_gym.simulation.past_step import PastStep
 from fo_gym.simulation.pushes import Pushes
 from fo_gym.simulation.settings import Settings
 from fo_gym.simulation.state import Origin, SimulationState
@@ -53,9 +55,11 @@ class Simulation:
         robot, task: what is simulated, settings applied.
         scenarios: the current episode of each environment.
         ticks: control ticks since reset, (num_envs,).
+        past: what acted in the past step.
         available: names of the signals that the sensors provide.
         hardware_model: the plant with its hardware's effects: what is measured.
         limits: of what the options of a reset may ask for.
+        hands: at the tools, or None.
     """
 
     def __init__(self, robot: RobotLike | None, task: TaskLike | None, num_envs: int, settings: Settings) -> None:
@@ -77,7 +81,11 @@ class Simulation:
         self.nominal_motor = NominalMotor(num_envs, self.dof, settings.control_dt)
         self.available = TIERS[settings.sensors]
         self.hardware_model = HardwareModel(
-            self.plant, self.robot.hardware, self.torque_limit, tachometer=settings.sensors == "full"
+            self.plant,
+            self.robot.hardware,
+            self.torque_limit,
+            tachometer=settings.sensors == "full",
+            disturbed=settings.disturbed,
         )
         nominal = draw_scenario(replace(self.robot, hardware=None), self.task, "nominal", np.random.default_rng(0))
         self.scenarios: list[Scenario] = [nominal] * num_envs
@@ -95,13 +103,10 @@ class Simulation:
         self._origin = Origin.of(self.robot, self.task, num_envs, settings)
         self._where = np.full(num_envs, INSIDE)
         self._compensates = settings.action_mode == "compensation"
-        shape = (num_envs, self.dof)
-        self.tau_c = np.zeros(shape)
-        self.tau_m = np.zeros(shape)
-        self.tau_ext = np.zeros(shape)
-        self.tau_f = np.zeros(shape)
-        self.tau_f_hat = np.zeros(shape)
+        self.tau_c = np.zeros((num_envs, self.dof))
+        self.past = PastStep.at_rest(num_envs, self.dof)
         self._pushes = Pushes(num_envs, self.dof)
+        self.hands = None if self.task.hand is None else Hands(self.plant, settings.decimation)
 
     @property
     def observation_size(self) -> int:
@@ -134,11 +139,7 @@ class Simulation:
         held = self.hardware_model.begin(ids, *_drawn(scenarios))
         self.nominal_motor.reset(ids, self.hardware_model.theta[ids], self.hardware_model.theta_dot[ids])
         self._update_control()
-        # At rest in equilibrium the motor has been holding the spring: the first roughness counts from there.
-        self.tau_m[ids] = held
-        self.tau_ext[ids] = 0.0
-        self.tau_f[ids] = 0.0
-        self.tau_f_hat[ids] = 0.0
+        self.past.begin(ids, held)
 
     def _configure(self, i: int, scenario: Scenario) -> None:
         self.scenarios[i] = scenario
@@ -146,6 +147,8 @@ class Simulation:
             np.array([i]), joints=scenario.joints, friction=scenario.friction, mass_scale=scenario.mass_scale
         )
         self._pushes.set(i, scenario.push)
+        if self.hands is not None and scenario.hand is not None:
+            self.hands.set(i, scenario.hand)
 
     def _update_control(self) -> None:
         """The reference and the controller at the current ticks."""
@@ -159,9 +162,11 @@ class Simulation:
         Returns:
             reward (num_envs,); terminated; truncated; why the terminated ones ended, by environment.
         """
-        previous = self.tau_m
+        previous = self.past.tau_m
         reasons: dict[int, str] = {}
-        sums = np.zeros((3, self.num_envs, self.dof))
+        sums = np.zeros((4, self.num_envs, self.dof))
+        if self.hands is not None:
+            self.hands.force[:] = 0.0
         for _ in range(self.settings.decimation):
             tau_f_hat, tau_m, tau_ext = self._torques(action)
             before = self.plant.snapshot()
@@ -170,32 +175,28 @@ class Simulation:
             self.ticks += 1
             if not whereabouts(self.plant.motion, self._low, self._high, self._where):
                 self._find_ends(before, reasons)
-            sums += (tau_m, tau_ext, self.plant.tau_f)
+            friction = self.plant.tau_f
+            sums += (tau_m, tau_ext, friction, friction + self.hardware_model.motor_torque)
             self.hardware_model.look()
             self._update_control()
-        self.tau_m, self.tau_ext, self.tau_f = sums / self.settings.decimation
-        self.tau_f_hat = tau_f_hat  # held over the step
+        tau_m, tau_ext, tau_f, tau_dist = sums / self.settings.decimation
+        self.past = PastStep(tau_m, tau_ext, tau_f, tau_dist, tau_f_hat)  # the estimate is held over the step
         distance = self.control.distance(self.plant, self.task.reward_scale)
-        reward = rewards(self.tau_m, previous, self.torque_limit, distance, ROUGHNESS_WEIGHT)
+        reward = rewards(self.past.tau_m, previous, self.torque_limit, distance, ROUGHNESS_WEIGHT)
         terminated = np.zeros(self.num_envs, dtype=bool)
         if reasons:
             terminated[list(reasons)] = True
         return reward, terminated, (self.ticks >= self.last_tick) & ~terminated, reasons
 
     def _torques(self, action: Array) -> tuple[Array, Array, Array]:
-        """The estimate that is compensated, and what motors and pushes apply over the coming control period."""
-        pushes, settings = self._pushes, self.settings
+        """The estimate that is compensated, and what motors, pushes and hands apply over the coming control period."""
+        dt, pushes = self.settings.control_dt, self._pushes
+        pulse = pushes.time, pushes.duration, pushes.torque
         tau_f_hat, tau_m, tau_ext = torques(
-            self.ticks,
-            settings.control_dt,
-            pushes.time,
-            pushes.duration,
-            pushes.torque,
-            self.tau_c,
-            action,
-            self.torque_limit,
-            self._compensates,
+            self.ticks, dt, *pulse, self.tau_c, action, self.torque_limit, self._compensates
         )
+        if self.hands is not None:
+            self.hands.act(self.ticks, tau_ext)
         return tau_f_hat, self.hardware_model.command(tau_m), tau_ext
 
     def _find_ends(self, before: Array, reasons: dict[int, str]) -> None:
@@ -210,7 +211,7 @@ class Simulation:
         """What the joints measure and compute at the coming tick, (num_envs, observation_size); see Signals."""
         measured, nominal = self.hardware_model, self.nominal_motor
         blocks = [measured.theta, measured.theta_dot, measured.tau_j, nominal.theta, nominal.theta_dot]
-        blocks += [self.control.theta_d, self.tau_c, self.tau_m]
+        blocks += [self.control.theta_d, self.tau_c, self.past.tau_m]
         if len(self.available) < len(SIGNALS):
             nothing = np.zeros_like(self.tau_c)
             for place, name in enumerate(SIGNALS):
@@ -221,22 +222,14 @@ class Simulation:
     def truth(self) -> dict[str, Array]:
         """Privileged truth for scoring and plotting, (num_envs, dof) each.
 
-        theta, theta_dot, q, q_dot, z at the new tick; tau_m and tau_ext as applied and tau_f, their means over the past
-        step; tau_f_hat, the estimate that the controller subtracted in it: the action, clipped to +-torque_limit, or
-        zeros where the action is tau_m. Where a friction law has not one state a joint, z is (num_envs, dof, states).
+        theta, theta_dot, q, q_dot, z at the new tick, and what acted in the past step, see PastStep. Where a friction
+        law has not one state a joint, z is (num_envs, dof, states). Where a hand guides the tool, f_hand, (num_envs,
+        3), its mean force too.
         """
         q, q_dot, theta, theta_dot = self.plant.snapshot()[:4]
-        return {
-            "theta": theta,
-            "theta_dot": theta_dot,
-            "q": q,
-            "q_dot": q_dot,
-            "z": self.plant.z.copy(),
-            "tau_m": self.tau_m.copy(),
-            "tau_ext": self.tau_ext.copy(),
-            "tau_f": self.tau_f.copy(),
-            "tau_f_hat": self.tau_f_hat.copy(),
-        }
+        motion = {"theta": theta, "theta_dot": theta_dot, "q": q, "q_dot": q_dot, "z": self.plant.z.copy()}
+        truth = {**motion, **vars(self.past.copy())}
+        return truth if self.hands is None else {**truth, "f_hand": self.hands.force.copy()}
 
     def get_state(self) -> SimulationState:
         """A copy of everything that the next step depends on, except the random generators."""
@@ -248,11 +241,9 @@ class Simulation:
             nominal.theta.copy(),
             nominal.theta_dot.copy(),
             self.ticks.copy(),
-            self.tau_m.copy(),
-            self.tau_ext.copy(),
-            self.tau_f.copy(),
-            self.tau_f_hat.copy(),
+            self.past.copy(),
             self.hardware_model.get_state(),
+            None if self.hands is None else self.hands.get_state(),
         )
 
     def set_state(self, state: SimulationState) -> None:
@@ -263,7 +254,7 @@ class Simulation:
                 nothing has changed then.
         """
         instance("state", state, SimulationState)
-        state.check(self._origin, self.limits, self.last_tick)
+        state.check(self._origin, self.limits, self.last_tick, hand=self.hands is not None)
         self.plant.check_state(state.plant)
         draws = {f"SimulationState.scenarios[{i}].hardware": each.hardware for i, each in enumerate(state.scenarios)}
         self.hardware_model.check_state(state.hardware, "SimulationState.hardware", draws)
@@ -272,13 +263,12 @@ class Simulation:
             self._configure(i, scenario)
         self.control.reset(everyone, state.scenarios)
         self.plant.set_state(state.plant)
-        self.tau_f = np.array(state.tau_f, dtype=np.float64)
-        self.tau_f_hat = np.array(state.tau_f_hat, dtype=np.float64)
+        self.past = state.past.copy()
         self.nominal_motor.reset(everyone, state.theta_n, state.theta_n_dot)
         self.ticks = np.array(state.ticks, dtype=np.int64)
-        self.tau_m = np.array(state.tau_m, dtype=np.float64)
-        self.tau_ext = np.array(state.tau_ext, dtype=np.float64)
         self.hardware_model.set_state(state.hardware, *_drawn(state.scenarios))
+        if self.hands is not None and state.hands is not None:
+            self.hands.set_state(state.hands)
         self._update_control()
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,8 @@ from fo_gym.checks import instance, real_array, shown, whole_array
 from fo_gym.hardware.model import HardwareState
 from fo_gym.plant import PlantState
 from fo_gym.robots import Robot
+from fo_gym.simulation.hands import HandState
+from fo_gym.simulation.past_step import PastStep
 from fo_gym.simulation.settings import Settings
 from fo_gym.tasks.options import Limits
 from fo_gym.tasks.scenario import Scenario
@@ -77,19 +79,18 @@ class SimulationState:
     theta_n: Array
     theta_n_dot: Array
     ticks: NDArray[np.int64]
-    tau_m: Array
-    tau_ext: Array
-    tau_f: Array
-    tau_f_hat: Array
+    past: PastStep
     hardware: HardwareState
+    hands: HandState | None
 
-    def check(self, origin: Origin, limits: Limits, last_tick: int) -> None:
+    def check(self, origin: Origin, limits: Limits, last_tick: int, *, hand: bool) -> None:
         """Whether this is a state of a simulation, but for plant and hardware, which check their own parts.
 
         Args:
             origin: that of the simulation.
             limits: its options'; they know joints and task.
             last_tick: where its episodes end.
+            hand: whether hands guide its tools.
 
         Raises:
             ValueError: it is of another one, or a field has another shape or kind of value; the message names it.
@@ -105,12 +106,20 @@ class SimulationState:
             name = f"SimulationState.scenarios[{i}]"
             instance(name, scenario, Scenario)
             scenario.check(name, dof)
-            for part, wanted in (("target", limits.takes_target), ("hardware", origin.hardware is not None)):
+            parts = {"target": limits.takes_target, "hardware": origin.hardware is not None, "hand": hand}
+            for part, wanted in parts.items():
                 if (getattr(scenario, part) is not None) != wanted:
                     told = "missing" if wanted else "given"
                     raise ValueError(f"{name}.{part} is {told}; {_SAME}")
-        for field in ("theta_n", "theta_n_dot", "tau_m", "tau_ext", "tau_f", "tau_f_hat"):
+        for field in ("theta_n", "theta_n_dot"):
             real_array(f"SimulationState.{field}", getattr(self, field), (num_envs, dof))
+        instance("SimulationState.past", self.past, PastStep)
+        self.past.check((num_envs, dof))
+        if hand:
+            instance("SimulationState.hands", self.hands, HandState)
+            cast("HandState", self.hands).check(num_envs)
+        elif self.hands is not None:
+            raise ValueError(f"SimulationState.hands is given; {_SAME}")
         whole_array("SimulationState.ticks", self.ticks, (num_envs,), 0, last_tick)
 
 

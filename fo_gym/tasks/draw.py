@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from fo_gym.generators import Streams
 from fo_gym.hardware import draw_hardware
 from fo_gym.parameters import FlexibleJoint, per_joint
 from fo_gym.robots import Robot
+from fo_gym.tasks.hand import Hand
 from fo_gym.tasks.randomization import Randomization
 from fo_gym.tasks.scenario import Push, Scenario
 from fo_gym.tasks.task import Task
@@ -25,9 +27,9 @@ __all__ = ["draw_scenario"]
 def draw_scenario(robot: Robot, task: Task, variant: str, rng: np.random.Generator) -> Scenario:
     """One episode of a task on a robot.
 
-    "nominal" draws nothing. The others draw friction, inertia, stiffness, start, target and push, in this order
-    and always all of them, so that an episode without friction has the same draws as one with it. What the hardware
-    draws comes last. Each draw asks for its random stream by the name of its range.
+    "nominal" draws nothing of its own. The others draw friction, inertia, stiffness, start, target and push, each from
+    the random stream of its range's name, and each effect of the hardware from that of its own: an episode without
+    friction, with another range, or with an effect more has the same other draws.
 
     Args:
         robot: the nominal robot, with the hardware's effects, if there are any.
@@ -49,7 +51,7 @@ def draw_scenario(robot: Robot, task: Task, variant: str, rng: np.random.Generat
 def _draw_plain(robot: Robot, task: Task, variant: str, streams: Streams) -> Scenario:
     home, target = robot.home, task.reference.target(robot.home)
     if variant == "nominal":
-        return Scenario(robot.friction, robot.flexible, 1.0, home, target, task.push)
+        return Scenario(robot.friction, robot.flexible, 1.0, home, target, task.push, hand=task.hand)
     spread, dof = task.randomization, robot.dof
     friction = _draw_friction(robot.friction, spread, streams, dof)
     joints = _draw_joints(robot.flexible, spread, streams, dof)
@@ -63,7 +65,8 @@ def _draw_plain(robot: Robot, task: Task, variant: str, streams: Streams) -> Sce
     push = None
     if task.random_push is not None:
         push = Push(time, task.random_push.duration, task.random_push.torque * strength)
-    return Scenario(friction, joints, mass_scale, q_start, target, push)
+    hand = None if task.hand is None else _draw_hand(task.hand, spread, streams)
+    return Scenario(friction, joints, mass_scale, q_start, target, push, hand=hand)
 
 
 def _draw_friction(friction: FrictionLaw, spread: Randomization, streams: Streams, dof: int) -> FrictionLaw:
@@ -78,6 +81,25 @@ def _draw_joints(joints: FlexibleJoint, spread: Randomization, streams: Streams,
         nominal,
         motor_inertia=nominal.motor_inertia * _factor("motor_inertia", spread, streams, dof),
         stiffness=nominal.stiffness * _factor("stiffness", spread, streams, dof),
+    )
+
+
+def _draw_hand(hand: Hand, spread: Randomization, streams: Streams) -> Hand:
+    whole = cast("Any", hand)  # fitted: nothing of it is left open
+    stroke, stiffness, speed = (
+        float(_factor(name, spread, streams, 1)[0]) for name in ("hand_stroke", "hand_stiffness", "hand_speed")
+    )
+    turned = float(streams("hand_direction").uniform(0.0, 0.5 * math.pi))
+    axes = np.array([whole.direction, whole.across])
+    along, across = np.array([[math.cos(turned), math.sin(turned)], [-math.sin(turned), math.cos(turned)]]) @ axes
+    return replace(
+        hand,
+        stroke=whole.stroke * stroke,
+        speed=whole.speed * stroke * speed,
+        stiffness=whole.stiffness * stiffness,
+        damping=whole.damping * stiffness,
+        direction=(*along.tolist(),),
+        across=(*across.tolist(),),
     )
 
 

@@ -20,11 +20,13 @@ MAX_ROWS = 100_000
 MAX_RESIDUAL = 1e-9
 """By how much the inverse kinematics may miss the path at most [m | rad]."""
 
-__all__ = ["Path", "PathTable", "ToolKinematics", "path_table", "path_ticks"]
+__all__ = ["PathTable", "ToolKinematics", "path_table", "path_ticks"]
 
 
-class Path(Protocol):
-    """Where a tool is to go."""
+class TimedPath(Protocol):
+    """Where a tool is to go; paths that are alike have the same hash, since tables of them are kept."""
+
+    def __hash__(self) -> int: ...
 
     @property
     def duration(self) -> float:
@@ -143,7 +145,7 @@ def path_ticks(duration: float, dt: float) -> int:
     return round(duration / dt) + 1
 
 
-def path_table(robot: LinkSide, path: Path, q_start: Array, dt: float, redundant: Sequence[str]) -> PathTable:
+def path_table(robot: LinkSide, path: TimedPath, q_start: Array, dt: float, redundant: Sequence[str]) -> PathTable:
     """Tabulate `path` from the tool pose at q_start, with a tick every dt seconds.
 
     Args:

@@ -28,6 +28,8 @@ class Randomization:
         step: factor on the size of the target's step, uniform, with a random sign per joint.
         push_time: start of the push [s], uniform.
         push: factor on the push, uniform, with a random sign.
+        hand_stroke, hand_speed, hand_stiffness: factors of the hand, which is damped in proportion; drawn, like the
+            direction of its strokes, a quarter of a turn from `Hand.direction` to `Hand.across`, where there is one.
     """
 
     friction: Range = (0.6, 1.6)
@@ -42,6 +44,9 @@ class Randomization:
     step: Range = (0.5, 1.5)
     push_time: Range = (0.0, 0.0)
     push: Range = (0.5, 1.5)
+    hand_stroke: Range = (0.7, 1.0)
+    hand_speed: Range = (0.8, 1.3)
+    hand_stiffness: Range = (0.5, 1.0)
 
     @property
     def fastest(self) -> Randomization:
@@ -52,6 +57,7 @@ class Randomization:
 
     def __post_init__(self) -> None:
         check_values(self, start=NOT_NEGATIVE)
+        check_ranges(self, hand_stroke=POSITIVE, hand_speed=POSITIVE, hand_stiffness=POSITIVE)
         check_ranges(self, step=NOT_NEGATIVE, push=NOT_NEGATIVE, push_time=NOT_NEGATIVE)
         check_ranges(self, friction=POSITIVE, stiction=POSITIVE, stribeck=POSITIVE, bristle=POSITIVE, viscous=POSITIVE)
         check_ranges(self, motor_inertia=POSITIVE, stiffness=POSITIVE, mass=POSITIVE)

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.checks import NOT_NEGATIVE, POSITIVE, instance, number, real_array, values
+from fo_gym.checks import NOT_NEGATIVE, POSITIVE, instance, number, real_array, shown, values
 from fo_gym.friction import FrictionLaw
 from fo_gym.hardware import HardwareDraw
 from fo_gym.parameters import FlexibleJoint, check_joints
+from fo_gym.tasks.hand import Hand
 
 Array = NDArray[np.float64]
 
@@ -49,6 +50,7 @@ class Scenario:
         target: desired links after the step, (dof,), m or rad; None where a path is followed.
         push: external push, or None.
         hardware: what was drawn of the hardware's effects, or None where there are none.
+        hand: that guides the tool, nothing of it left open, or None.
     """
 
     friction: FrictionLaw
@@ -58,6 +60,7 @@ class Scenario:
     target: Array | None
     push: Push | None
     hardware: HardwareDraw | None = None
+    hand: Hand | None = None
 
     @property
     def believed(self) -> FlexibleJoint:
@@ -84,5 +87,9 @@ class Scenario:
         if self.push is not None:
             instance(f"{name}.push", self.push, Push)
             arrays["push.torque"] = self.push.torque
+        if self.hand is not None:
+            instance(f"{name}.hand", self.hand, Hand)
+            if not self.hand.is_fitted:
+                raise ValueError(f"{name}.hand is {shown(self.hand)}; give one with nothing left open")
         for part, array in arrays.items():
             real_array(f"{name}.{part}", array, (dof,))

@@ -13,6 +13,7 @@ from fo_gym.checks import NOT_NEGATIVE, POSITIVE, check_ranges, check_values, in
 from fo_gym.hardware import PushTime
 from fo_gym.parameters import ImpedanceGains, PDGains, Value
 from fo_gym.robots import Robot
+from fo_gym.tasks.hand import Hand
 from fo_gym.tasks.randomization import Randomization
 from fo_gym.tasks.reference import Reference
 from fo_gym.tasks.scenario import Push
@@ -36,6 +37,7 @@ class Task:
         push: the push of the nominal variant, or None.
         random_push: the push that "randomized" varies; None for none.
         push_time: when the "hardware" variant pushes; None as "randomized" does.
+        hand: the hand that guides the tool, or None.
         limit_cycle_window: (start, end) [s] where limit cycles are looked for, or None.
         randomization: ranges of the "randomized" variant.
     """
@@ -47,6 +49,7 @@ class Task:
     push: Push | None = None
     random_push: Push | None = None
     push_time: PushTime | None = None
+    hand: Hand | None = None
     limit_cycle_window: Range | None = None
     randomization: Randomization = field(default_factory=Randomization)
 
@@ -54,20 +57,21 @@ class Task:
         instance("Task.reference", self.reference, Reference)
         number("Task.duration", self.duration, POSITIVE, "s")
         check_values(self, reward_scale=POSITIVE)
-        for name, kind in (("push", Push), ("random_push", Push), ("push_time", PushTime)):
+        for name, kind in (("push", Push), ("random_push", Push), ("push_time", PushTime), ("hand", Hand)):
             instance(f"Task.{name}", getattr(self, name), kind, none="none")
         instance("Task.randomization", self.randomization, Randomization)
         if self.limit_cycle_window is not None:
             check_ranges(self, limit_cycle_window=NOT_NEGATIVE)
 
     def fitted_to(self, robot: Robot) -> Task:
-        """The same for one robot: reference, gains and pushes have what its joints need.
+        """The same for one robot: reference, gains, pushes and hand have what its joints need.
 
         Raises:
-            ValueError: the robot does not suit the reference, gains are of another kind than its controller takes, or
-                something has values for another number of joints.
+            ValueError: the robot does not suit the reference or the hand, gains are of another kind than its controller
+                takes, or something has values for another number of joints.
         """
         reference = self.reference.fitted_to(robot)
+        hand = None if self.hand is None else self.hand.fitted_to(robot)
         designed = reference.designed_gains(robot)
         gains = designed if self.gains is None else self.gains
         if not isinstance(gains, type(designed)):
@@ -78,7 +82,7 @@ class Task:
         for name, part in (("reward_scale", self.reward_scale), ("randomization.start", self.randomization.start)):
             if np.shape(part) not in ((), (1,), (robot.dof,)):
                 raise ValueError(f"Task.{name} has shape {np.shape(part)}; give one value or {robot.dof}")
-        return replace(self, reference=reference, gains=gains, **pushes)
+        return replace(self, reference=reference, gains=gains, hand=hand, **pushes)
 
 
 TaskLike = Task | Callable[[Robot], Task]

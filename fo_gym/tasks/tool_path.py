@@ -18,7 +18,7 @@ from fo_gym.plant import FlexibleJointPlant
 from fo_gym.robots import LinkSide, Robot
 from fo_gym.robots.poses import tool_rows
 from fo_gym.tasks.control import PathStatics
-from fo_gym.tasks.kinematics import PathTable, path_table
+from fo_gym.tasks.kinematics import PathTable, TimedPath, path_table
 from fo_gym.tasks.scenario import Scenario
 from fo_gym.tasks.square_fit import Direction, fitted_square
 
@@ -109,7 +109,7 @@ class ToolPath:
 def _cached_table(
     link_side: LinkSide,
     _stamp: tuple[int, int],
-    path: ToolPath,
+    path: TimedPath,
     home: tuple[float, ...],
     dt: float,
     redundant: tuple[str, ...],
@@ -118,9 +118,9 @@ def _cached_table(
 
 
 class ToolPathControl:
-    """Impedance along a tool path."""
+    """Impedance along a tool path, which can be hashed: its table is kept."""
 
-    def __init__(self, path: ToolPath, robot: Robot, plant: FlexibleJointPlant, gains: ImpedanceGains) -> None:
+    def __init__(self, path: TimedPath, robot: Robot, plant: FlexibleJointPlant, gains: ImpedanceGains) -> None:
         home = tuple(robot.home.tolist())
         links = robot.link_side
         self.table = _cached_table(links, links.stamp, path, home, plant.control_dt, robot.redundant)

@@ -102,7 +102,7 @@ class _Scorer:
     def __call__(self, gains: Mapping[str, float]) -> float:
         with self._case.competitor(gains).playing(self._case.env_id, self._case.variant) as compensator:
             recording = self._episodes.record(compensator, self._case.spec)
-        frr = rows(self._episodes, self._case.spec, recording, self._references)["frr"].to_numpy()
+        frr = rows(self._episodes, self._case.spec, recording, self._references, compensator)["frr"].to_numpy()
         return float(np.maximum(np.nan_to_num(frr, nan=WORST), WORST).mean())
 
 
@@ -125,6 +125,7 @@ def run_study(case: Case, folder: Path, on_trial: OnTrial | None = None) -> Outc
     score = _Scorer(case, first(TUNING_SEEDS, case.episodes))
 
     def objective(trial: optuna.Trial) -> float:
+        """The score of the gains that the trial suggests; those that nothing can be made with are pruned."""
         gains = {name: trial.suggest_float(name, low, high, log=True) for name, (low, high) in space.items()}
         try:
             with case.competitor(gains).playing(case.env_id, case.variant):

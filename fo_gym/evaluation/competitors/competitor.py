@@ -19,7 +19,7 @@ from fo_gym.specs import is_ours, spec_of
 
 BASELINE, SUBMISSION, YOURS, REFERENCE = "baseline", "submission", "yours", "reference"
 """Where a competitor comes from: the protocol, the folder of submissions, the user of `fo-gym evaluate` or `sweep`, or
-the suite itself (`none`, `ideal`)."""
+the suite itself (the references that it makes, and whoever is privileged)."""
 
 Gains = Mapping[str, Any]
 """Keyword arguments of a compensator."""

@@ -9,19 +9,19 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.compensators import Compensator
-from fo_gym.parameters import JointInfo
+from fo_gym.compensators import Compensator, is_privileged
+from fo_gym.parameters import JointInfo, part_of
 from fo_gym.signals import Signals
 
 Array = NDArray[np.float64]
 Name = TypeVar("Name", bound=Hashable)
 Batch = TypeVar("Batch", JointInfo, Signals)
 
-__all__ = ["Team", "by_feedback"]
+__all__ = ["Team", "alike"]
 
 
 class Team:
-    """Compensators with the same feedback, each in charge of as many environments of the batch, one after the other.
+    """Compensators that are `alike`, each in charge of as many environments of the batch, one after the other.
 
     What a member does is what it does alone: it sees its own environments and nothing else.
 
@@ -33,7 +33,7 @@ class Team:
     def __init__(self, members: Sequence[Compensator], share: int = 1) -> None:
         self.members = list(members)
         self.share = share
-        (self.feedback,) = {member.feedback for member in self.members}
+        ((self.feedback, self.privileged),) = {_kind(member) for member in self.members}
 
     def rows(self, place: int) -> slice:
         """The environments of a member, by its place."""
@@ -59,10 +59,18 @@ class Team:
 def _of(batch: Batch, rows: slice) -> Batch:
     """The rows of everything that has a row for each environment."""
     parts: dict[str, Any] = {name: part[rows] for name, part in vars(batch).items() if isinstance(part, np.ndarray)}
+    if isinstance(batch, Signals) and batch.truth is not None:
+        parts["truth"] = {name: part[rows] for name, part in batch.truth.items()}
+    if isinstance(batch, JointInfo) and batch.identified is not None and np.ndim(batch.identified.f_c) > 1:
+        parts["identified"] = part_of(batch.identified, rows)
     return replace(batch, **parts)
 
 
-def by_feedback(members: Mapping[Name, Compensator]) -> list[list[Name]]:
-    """Names of the members that can share a batch, those with the same feedback."""
-    feedbacks = dict.fromkeys(member.feedback for member in members.values())
-    return [[name for name, member in members.items() if member.feedback == each] for each in feedbacks]
+def _kind(member: Compensator) -> tuple[str, bool]:
+    return member.feedback, is_privileged(member)
+
+
+def alike(members: Mapping[Name, Compensator]) -> list[list[Name]]:
+    """Names of the members that can share a batch: with the same feedback, and all of them privileged or none."""
+    kinds = dict.fromkeys(map(_kind, members.values()))
+    return [[name for name, member in members.items() if _kind(member) == each] for each in kinds]

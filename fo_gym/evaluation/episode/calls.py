@@ -6,10 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.checks import real
-from fo_gym.compensators import Compensator, CompensatorError
+from fo_gym.compensators import Compensator, CompensatorError, is_privileged
 from fo_gym.envs.vector import JointVectorEnv
 from fo_gym.evaluation.episode.faults import EndedError, kind_of
 from fo_gym.signals import Signals
+from fo_gym.simulation.privileged import privileged_info
 
 Array = NDArray[np.float64]
 
@@ -18,8 +19,9 @@ __all__ = ["checked_estimate", "checked_reset"]
 
 def checked_reset(compensator: Compensator, name: str, env: JointVectorEnv) -> None:
     """Start the compensator on the current episodes of `env`. Raises CompensatorError for whatever it raises."""
+    joints = privileged_info(env.simulation) if is_privileged(compensator) else env.joint_info
     try:
-        compensator.reset(env.joint_info, env.num_envs)
+        compensator.reset(joints, env.num_envs)
     except EndedError as error:
         raise CompensatorError(f"{name}: reset: {error}") from error
     except (Exception, SystemExit) as error:

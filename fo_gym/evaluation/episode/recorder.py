@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, cast
 
 import gymnasium as gym
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.compensators import Compensator, Ideal
+from fo_gym.compensators import Compensator, Ideal, is_privileged
 from fo_gym.envs.registry import environment_of
 from fo_gym.envs.vector import JointVectorEnv
 from fo_gym.evaluation.episode.calls import checked_estimate, checked_reset
 from fo_gym.evaluation.episode.recording import Recording
-from fo_gym.parameters import FRICTIONLESS
+from fo_gym.evaluation.episode.stored import stored_energy
 from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.signals import Signals
 
@@ -24,7 +25,7 @@ Array = NDArray[np.float64]
 _TICK_SIGNALS = ("theta_n", "theta_n_dot", "theta_d", "reference")
 _TICK_TRUTH = ("theta", "theta_dot", "q", "q_dot")
 _JOINT_TICKS = ("theta", "theta_dot", "q", "q_dot", "theta_n", "theta_n_dot", "theta_d")
-_PERIOD_TRUTH = ("tau_f_hat", "tau_m", "tau_f", "tau_ext")
+_PERIOD_TRUTH = ("tau_f_hat", "tau_m", "tau_f", "tau_dist", "tau_ext")
 
 __all__ = ["record"]
 
@@ -41,7 +42,7 @@ def record(
     """Run `compensator` on one batch, an episode per seed, each to its end.
 
     Args:
-        compensator: who is scored; `Ideal` runs on joints without friction.
+        compensator: who is scored; of `Ideal` nothing disturbs the motors.
         name: what to call it in errors.
         env_id: registered environment.
         variant: variant of it.
@@ -54,7 +55,7 @@ def record(
     """
     kwargs = {**env_kwargs, "feedback": compensator.feedback}
     if type(compensator) is Ideal:
-        kwargs["friction"] = FRICTIONLESS
+        kwargs["disturbed"] = False
     env_id = environment_of(env_id).id
     env = cast("JointVectorEnv", gym.make_vec(env_id, num_envs=len(seeds), variant=variant, **kwargs).unwrapped)
     env.reset(seed=list(seeds))
@@ -78,6 +79,10 @@ class _Recorder:
         self.ticks = {name: np.empty((self.steps + 1, env.num_envs, size)) for name, size in sizes.items()}
         shape = (self.steps, env.num_envs, self.dof)
         self.periods = {name: np.empty(shape) for name in _PERIOD_TRUTH}
+        self.guided: dict[str, Array] = {}
+        if self.simulation.hands is not None:
+            self.guided = {name: np.empty((self.steps + 1, env.num_envs, self.dof)) for name in ("held", "free")}
+            self.periods["f_hand"] = np.empty((self.steps, env.num_envs, 3))
         self.scenarios = tuple(self.simulation.scenarios)
         self.alive = np.ones(env.num_envs, dtype=bool)
         self.ended = np.full(env.num_envs, self.steps)
@@ -90,17 +95,22 @@ class _Recorder:
             self.ticks[name][tick] = info[name]
         for name in _TICK_SIGNALS:
             self.ticks[name][tick] = getattr(self.signals, name)
+        if self.simulation.hands is not None:
+            theta, theta_dot, torque = info["theta"], info["theta_dot"], self.simulation.control.torque
+            self.guided["held"][tick], self.guided["free"][tick] = torque(theta, 0.0 * theta), torque(theta, theta_dot)
 
     def run(self, compensator: Compensator, name: str) -> Recording:
         """All episodes, tick by tick."""
+        privileged = is_privileged(compensator)
         for step in range(self.steps):
+            signals = replace(self.signals, truth=self.simulation.truth()) if privileged else self.signals
             start = time.perf_counter()
-            estimate = checked_estimate(compensator, name, self.signals, self.alive, step)
+            estimate = checked_estimate(compensator, name, signals, self.alive, step)
             self.seconds[step] = time.perf_counter() - start
             obs, _, terminated, _, info = self.env.step(estimate)
             self.signals = Signals.from_observation(obs, self.dof, self.env.available)
-            for part in _PERIOD_TRUTH:
-                self.periods[part][step] = info[part]
+            for part, kept in self.periods.items():
+                kept[step] = info[part]
             self._keep_tick(step + 1, info)
             if terminated.any():
                 self._end(step + 1, terminated, info)
@@ -120,17 +130,20 @@ class _Recorder:
         """After an early end every array holds its last value: the joint stays where it was lost."""
         for i in np.flatnonzero(~self.alive):
             end = self.ended[i]
-            for array in self.ticks.values():
+            for array in (*self.ticks.values(), *self.guided.values()):
                 array[end:, i] = array[end, i]
             for array in self.periods.values():
                 array[end:, i] = array[end - 1, i]
 
     def _recording(self) -> Recording:
         simulation = self.simulation
+        stored = stored_energy(simulation, self.ticks)
         if simulation.task.reference.of_tool:
             body = RigidBody(simulation.robot.link_side, self.steps + 1)
             tool = [body.tool_position(self.ticks["q"][:, i]) for i in range(self.env.num_envs)]
             self.ticks["tool"] = np.stack(tool, axis=1)
+        if simulation.hands is not None:
+            self._add_works()
         levers = simulation.robot.levers
         if np.any(levers != 1.0):
             self._tell_in_one_unit(levers)
@@ -141,13 +154,21 @@ class _Recorder:
             ticks=self.ticks,
             periods=self.periods,
             scenarios=self.scenarios,
+            stored=stored,
             torque_limit=np.asarray(simulation.torque_limit) * levers,
             terminations=self.terminations,
             ended=self.ended,
             seconds=self.seconds,
         )
 
+    def _add_works(self) -> None:
+        """What friction and damping take, see Motion.lost and Episode.damped: (periods, num_envs) [J]."""
+        step, held, free = np.diff(self.ticks["theta"], axis=0), self.guided["held"], self.guided["free"]
+        acting = self.periods["tau_m"] + self.periods["tau_dist"]
+        self.periods["lost"] = np.sum((free[:-1] - acting) * step, axis=-1)
+        self.periods["damped"] = np.sum((0.5 * (held[:-1] + held[1:]) - free[:-1]) * step, axis=-1)
+
     def _tell_in_one_unit(self, levers: Array) -> None:
         """Joints of a robot with hinges and slides in the same unit, see `Robot.levers`."""
         self.ticks |= {name: self.ticks[name] / levers for name in _JOINT_TICKS}
-        self.periods = {name: array * levers for name, array in self.periods.items()}
+        self.periods |= {name: self.periods[name] * levers for name in _PERIOD_TRUTH}

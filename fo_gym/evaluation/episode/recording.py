@@ -21,19 +21,24 @@ __all__ = ["Motions", "Recording", "References"]
 
 @dataclass(frozen=True)
 class Motions:
-    """Motors and tools of a batch.
+    """Motors, tools and hands of a batch.
 
     Attributes:
         theta: (ticks, num_envs, dof), m or rad.
         tool: (ticks, num_envs, 3), m, or None.
+        f_hand: (periods, num_envs, 3), N, or None.
+        lost: (periods, num_envs), J, or None.
     """
 
     theta: Array
     tool: Array | None
+    f_hand: Array | None = None
+    lost: Array | None = None
 
     def episode(self, i: int) -> Motion:
-        """Motors and tool of episode i."""
-        return Motion(self.theta[:, i], None if self.tool is None else self.tool[:, i])
+        """Motors, tool and hand of episode i."""
+        rest = (None if each is None else each[:, i] for each in (self.tool, self.f_hand, self.lost))
+        return Motion(self.theta[:, i], *rest)
 
 
 @dataclass(frozen=True)
@@ -41,8 +46,8 @@ class References:
     """The two runs that every score of a batch is relative to.
 
     Attributes:
-        ideal: without friction.
-        none: with friction, without compensation.
+        ideal: without anything that disturbs the motors.
+        none: with all of it, without compensation.
     """
 
     ideal: Motions
@@ -61,8 +66,10 @@ class Recording:
         dt: time between two ticks [s].
         ticks: arrays (ticks, num_envs, size) by name: theta, theta_dot, q, q_dot, and on a path tool, as they truly
             were; theta_n, theta_n_dot, theta_d, reference as the compensator saw them.
-        periods: arrays (periods, num_envs, dof) by name: tau_f_hat, tau_m, tau_f, tau_ext.
+        periods: arrays (periods, num_envs, dof) by name: tau_f_hat, tau_m, tau_f, tau_dist, tau_ext; with a hand f_hand
+            (periods, num_envs, 3), lost and damped (periods, num_envs), see Motion and Episode.
         scenarios: the drawn episodes.
+        stored: energy in the joints when the push of each episode begins, see `stored_energy`, (num_envs,) [J].
         torque_limit: (dof,).
         terminations: "" or why each episode ended early.
         ended: tick at which each episode ended.
@@ -75,6 +82,7 @@ class Recording:
     ticks: Mapping[str, Array]
     periods: Mapping[str, Array]
     scenarios: Sequence[Scenario]
+    stored: Array
     torque_limit: Array
     terminations: Sequence[str]
     ended: NDArray[np.int64]
@@ -82,8 +90,9 @@ class Recording:
 
     @property
     def motions(self) -> Motions:
-        """Motors and tools of all episodes."""
-        return Motions(self.ticks["theta"], self.ticks.get("tool"))
+        """Motors, tools and hands of all episodes."""
+        periods = self.periods
+        return Motions(self.ticks["theta"], self.ticks.get("tool"), periods.get("f_hand"), periods.get("lost"))
 
     def part(self, rows: slice) -> Recording:
         """Some episodes of the batch as a recording of their own; the time per call is their share of it."""
@@ -93,6 +102,7 @@ class Recording:
             ticks={name: array[:, rows] for name, array in self.ticks.items()},
             periods={name: array[:, rows] for name, array in self.periods.items()},
             scenarios=self.scenarios[rows],
+            stored=self.stored[rows],
             terminations=self.terminations[rows],
             ended=self.ended[rows],
             seconds=self.seconds * share,
@@ -117,6 +127,7 @@ class Recording:
             tool_d=ticks["reference"] if self.task.reference.of_tool else None,
             tau_f_hat=periods["tau_f_hat"],
             tau_f=periods["tau_f"],
+            tau_dist=periods["tau_dist"],
             tau_m=periods["tau_m"],
             tau_ext=periods["tau_ext"],
             torque_limit=self.torque_limit,
@@ -124,5 +135,8 @@ class Recording:
             limit_cycle_window=self.task.limit_cycle_window,
             motion_window=self.task.reference.motion_window,
             push=self.scenarios[i].push,
+            stored=float(self.stored[i]),
             termination=self.terminations[i],
+            hand=self.scenarios[i].hand,
+            damped=periods.get("damped"),
         )

@@ -15,7 +15,7 @@ from functools import cached_property
 from importlib.metadata import entry_points
 
 from fo_gym.evaluation.episode.record import Episode
-from fo_gym.evaluation.metrics import cost, energy, estimate, rejection, rest, tracking
+from fo_gym.evaluation.metrics import cost, energy, estimate, hunting, interaction, rejection, rest, tracking
 from fo_gym.evaluation.metrics.registry import HEADLINE, Metric, Tolerance, metric, metrics_of
 
 GROUP = "fo_gym.metrics"
@@ -23,7 +23,7 @@ GROUP = "fo_gym.metrics"
 
 __all__ = ["GROUP", "METRICS", "Episode", "Metric", "Tolerance", "metric", "score"]
 
-_FAMILIES = (rejection, rest, tracking, estimate, energy, cost)
+_FAMILIES = (rejection, rest, hunting, tracking, estimate, energy, interaction, cost)
 
 
 class Metrics(Mapping[str, Metric]):

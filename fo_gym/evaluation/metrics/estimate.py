@@ -1,4 +1,4 @@
-"""The estimate: how close tau_f_hat is to the true friction torque, and how late."""
+"""The estimate: how close tau_f_hat is to what disturbs the motors, and how late."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from fo_gym.evaluation.episode.record import Array, Episode
 from fo_gym.evaluation.metrics.reductions import largest, rms
 from fo_gym.evaluation.metrics.registry import Tolerance, metric
 
-_NO_FRICTION = 1e-9
-"""RMS friction torque, N or N m, below which there is nothing to estimate."""
+_NOTHING = 1e-9
+"""RMS disturbance torque, N or N m, below which there is nothing to estimate."""
 
 _LONGEST_LAG = 0.5
 """Lags are looked for up to this, s, of both signs."""
@@ -26,33 +26,33 @@ _CONSTANT = 1e-12
 
 @metric("estimate_rmse_ratio", unit="1", better="lower", tolerance=Tolerance(1e-5, 5e-3))
 def estimate_rmse(episode: Episode) -> float:
-    """RMS error of the friction estimate as a fraction of the friction's own RMS, worst joint.
+    """RMS error of the estimate as a fraction of the RMS of what it estimates, worst joint.
 
-    RMS(tau_f_hat - tau_f) / RMS(tau_f) over all periods; tau_f is the mean over the period for which
-    tau_f_hat was applied. 1 for no estimate at all. Joints with RMS(tau_f) below 1e-9 N or N m do not count;
-    NaN if none is left.
+    RMS(tau_f_hat - tau_dist) / RMS(tau_dist) over all periods; tau_dist, friction and whatever else disturbs the motor,
+    is the mean over the period for which tau_f_hat was applied. 1 for no estimate at all. Joints with RMS(tau_dist)
+    below 1e-9 N or N m do not count; NaN if none is left.
     """
-    friction = rms(episode.tau_f)
-    error = rms(episode.tau_f_hat - episode.tau_f)
-    there = friction >= _NO_FRICTION
-    return largest(error[there] / friction[there])
+    disturbance = rms(episode.tau_dist)
+    error = rms(episode.tau_f_hat - episode.tau_dist)
+    there = disturbance >= _NOTHING
+    return largest(error[there] / disturbance[there])
 
 
 @metric("estimate_lag_ms", unit="ms", better="lower", tolerance=Tolerance(1e-4, 0.9))
 def estimate_lag(episode: Episode) -> float:
-    """Lag of the friction estimate behind the friction, on the joint with the largest friction RMS.
+    """Lag of the estimate behind the disturbance of the motor, on the joint where that has the largest RMS.
 
     In ms, positive = tau_f_hat comes late, negative = early: the shift within +-500 ms (at most half the
-    episode) with the largest correlation coefficient between tau_f_hat and tau_f, refined by a parabola
-    through its neighbours. NaN without friction, if either signal is constant, or if the largest coefficient
+    episode) with the largest correlation coefficient between tau_f_hat and tau_dist, refined by a parabola
+    through its neighbours. NaN without a disturbance, if either signal is constant, or if the largest coefficient
     is at the edge of the search, not above zero, or no peak (two straight ramps fit at any lag).
     """
-    friction = rms(episode.tau_f)
-    joint = int(np.argmax(friction))
-    if friction[joint] < _NO_FRICTION:
+    disturbance = rms(episode.tau_dist)
+    joint = int(np.argmax(disturbance))
+    if disturbance[joint] < _NOTHING:
         return math.nan
-    reach = min(round(_LONGEST_LAG / episode.dt), len(episode.tau_f) // 2)
-    coefficients = _correlation_at_lags(episode.tau_f_hat[:, joint], episode.tau_f[:, joint], reach)
+    reach = min(round(_LONGEST_LAG / episode.dt), len(episode.tau_dist) // 2)
+    coefficients = _correlation_at_lags(episode.tau_f_hat[:, joint], episode.tau_dist[:, joint], reach)
     peak = int(np.argmax(coefficients))
     if coefficients[peak] <= 0.0 or peak in (0, 2 * reach):
         return math.nan

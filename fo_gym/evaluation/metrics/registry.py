@@ -18,6 +18,7 @@ UNIT_ENDINGS = {
     "ms": "_ms",
     "%": "_percent",
     "J": "_j",
+    "N": "_n",
     "Hz": "_hz",
     "events": "_count",
     "1": "_ratio",
@@ -69,6 +70,9 @@ class Metric:
         description: one line, the first of the function's docstring.
         tolerance: how far the value of an episode may differ between processors.
         function: the metric itself; NaN where it does not apply.
+        share: whether it is 1 or 0 in an episode, so that a row says the share of its episodes, their mean; of other
+            metrics a row says the interquartile mean.
+        where: name of a metric of the former kind; a row counts only the episodes in which that one is 1. "" for all.
     """
 
     name: str
@@ -77,6 +81,8 @@ class Metric:
     description: str
     tolerance: Tolerance
     function: Callable[[Episode], float]
+    share: bool = False
+    where: str = ""
 
     def __post_init__(self) -> None:
         if self.unit not in UNIT_ENDINGS:
@@ -97,7 +103,7 @@ _registered: dict[str, Metric] = {}
 
 
 def metric(
-    name: str, *, unit: str, better: Better, tolerance: Tolerance
+    name: str, *, unit: str, better: Better, tolerance: Tolerance, share: bool = False, where: str = ""
 ) -> Callable[[Callable[[Episode], float]], Callable[[Episode], float]]:
     """Register the decorated function as the metric `name`; its docstring's first line describes it.
 
@@ -106,6 +112,8 @@ def metric(
         unit: a key of `UNIT_ENDINGS`.
         better: "lower" or "higher".
         tolerance: how far the value of an episode may differ between processors.
+        share: whether it is 1 or 0 in an episode, and a row says in which share of its episodes it is 1.
+        where: name of such a metric; a row counts only the episodes in which that one is 1. "" for all.
 
     Raises:
         ValueError: for a name that is taken or does not end with its unit, or an unknown unit or direction.
@@ -115,7 +123,7 @@ def metric(
         if name in _registered:
             raise ValueError(f"metric {name!r} exists already, in {_registered[name].function.__module__}")
         description = (function.__doc__ or "").strip().partition("\n")[0]
-        _registered[name] = Metric(name, unit, better, description, tolerance, function)
+        _registered[name] = Metric(name, unit, better, description, tolerance, function, share, where)
         return function
 
     return register

@@ -7,20 +7,23 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 import pandas as pd
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from fo_gym.evaluation.competitors.competitor import BASELINE, SUBMISSION, YOURS
 from fo_gym.evaluation.results.leaderboard import leaderboard
 from fo_gym.evaluation.results.style import BLUE, ORANGE, VERMILLION, label
 from fo_gym.evaluation.results.tables import marked
+from fo_gym.evaluation.results.ties import RELEVANT
 from fo_gym.evaluation.results.trace_figure import trace_figure
 from fo_gym.evaluation.runs.contest import Results
 from fo_gym.evaluation.runs.episodes import SET, label_of, place_of
+from fo_gym.evaluation.runs.provenance import is_reference
 from fo_gym.files import draft_of
-from fo_gym.specs import BUILT_IN
 from fo_gym.tasks.variants import NOMINAL
 
 Array = NDArray[np.float64]
@@ -35,15 +38,16 @@ __all__ = ["figures", "ranking_figure"]
 
 
 def ranking_figure(table: pd.DataFrame) -> Figure:
-    """FRR of every competitor with its interval, a panel per environment and variant, best on top.
+    """1 - FRR of every competitor with its interval, a panel per environment and variant, best on top.
 
-    The axis is logarithmic in 1 - FRR, so that 0.99 and 0.999 lie as far apart as 0 and 0.9, and no outlier flattens
-    the rest; what lies outside gets an arrow. At the right stand the numbers and the letters of tied groups.
+    The axis is logarithmic and falls to the right, so that 0.01 and 0.001 lie as far apart as 1 and 0.1, and no outlier
+    flattens the rest; what lies outside gets an arrow. A band reaches from the best to where a difference to it begins
+    to count. At the right stand the numbers and the letters of tied groups.
 
     Args:
         table: rows as `leaderboard` gives them.
     """
-    table = table[~table["compensator"].isin(BUILT_IN)]
+    table = table[~is_reference(table)]
     sets = list(table[SET].drop_duplicates().itertuples(index=False, name=None))
     envs = list(dict.fromkeys(place_of(env, robot) for env, robot, _ in sets))
     variants = list(dict.fromkeys(variant for _, _, variant in sets))
@@ -58,7 +62,7 @@ def ranking_figure(table: pd.DataFrame) -> Figure:
         _draw_ranking(axis, group.sort_values("frr", na_position="first", kind="stable"), limits)
         axis.set_title(label_of(*key), fontsize="medium")
     origins = [origin for origin in _COLORS if (table["origin"] == origin).any()]
-    _add_legend(figure, origins, ncols=3 * len(envs))
+    _add_legend(figure, origins, ncols=2 if len(envs) == 1 else 4)
     return figure
 
 
@@ -87,13 +91,14 @@ def _draw_ranking(axis: Axes, rows: pd.DataFrame, limits: tuple[float, float]) -
         marker = "<" if frr < limits[0] else ">" if frr > limits[1] else "o"
         face = "white" if verdict == "behind" else color
         axis.plot(value, height, marker, color=color, markerfacecolor=face, markersize=4.5, clip_on=False)
+    _draw_band(axis, rows["frr"].max(), limits)
     names = [label(marked(name, origin)) for name, origin in zip(rows["compensator"], rows["origin"], strict=True)]
     axis.set_yticks(heights, names, fontsize=8)
-    told = ["no score" if np.isnan(frr) else f"{frr:.3f}" for frr in rows["frr"]]
+    told = ["no score" if np.isnan(frr) else f"{1.0 - frr:.2g}" for frr in rows["frr"]]
     letters = ["" if pd.isna(group) else str(group) for group in rows["tied_group"]]
     numbers = axis.secondary_yaxis("right")
     numbers.set_yticks(
-        heights, [f"{frr} {group}".rstrip() for frr, group in zip(told, letters, strict=True)], fontsize=8
+        heights, [f"{rest} {group}".rstrip() for rest, group in zip(told, letters, strict=True)], fontsize=8
     )
     for height, origin, text in zip(heights, rows["origin"], axis.get_yticklabels(), strict=True):
         if origin == YOURS:
@@ -102,19 +107,27 @@ def _draw_ranking(axis: Axes, rows: pd.DataFrame, limits: tuple[float, float]) -
     axis.set_ylim(-0.7, len(rows) - 0.3)
     digits = np.arange(limits[0], limits[1] + 1.0)
     axis.set_xlim(*limits)
-    axis.set_xticks(digits, [f"{1.0 - 10.0**-digit:.4g}" for digit in digits])
+    axis.set_xticks(digits, [f"{10.0**-digit:.4g}" for digit in digits])
     axis.tick_params(axis="x", labelbottom=True)
     axis.grid(alpha=0.3)
-    axis.set_xlabel("friction rejection ratio (logarithm of 1 - FRR)", fontsize="small")
+    axis.set_xlabel("1 - FRR, what is left of friction's effect", fontsize="small")
+
+
+def _draw_band(axis: Axes, best: float, limits: tuple[float, float]) -> None:
+    """From the best to where a row is behind it by the smallest difference that counts."""
+    if not np.isnan(best):
+        low, high = np.clip(_digits(pd.Series([best - RELEVANT, best])), *limits)
+        axis.axvspan(low, high, color="0.5", alpha=0.25, linewidth=0)
 
 
 def _add_legend(figure: Figure, origins: list[str], ncols: int) -> None:
     """Below all panels: what filled and empty marks are, and the colours where there are several."""
     dot = {"linestyle": "", "marker": "o", "markersize": 4.5}
-    entries = {
+    entries: dict[str, Artist] = {
         "best, or tied with it": Line2D([], [], color="0.3", **dot),  # type: ignore[arg-type]
         "behind": Line2D([], [], color="0.3", markerfacecolor="white", **dot),  # type: ignore[arg-type]
         "95 % interval": Line2D([], [], color="0.3", linewidth=1.4),
+        f"within {RELEVANT:g} of the best": Patch(color="0.5", alpha=0.25, linewidth=0),
     }
     if len(origins) > 1:
         entries |= {marked(each, each): Line2D([], [], color=_COLORS[each], **dot) for each in origins}  # type: ignore[arg-type]

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Container, Sequence
-from itertools import combinations
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,29 +12,26 @@ from scipy.stats import rankdata
 
 from fo_gym.evaluation.competitors.competitor import BASELINE
 from fo_gym.evaluation.episode.record import Array
-from fo_gym.evaluation.metrics import METRICS
+from fo_gym.evaluation.metrics import METRICS, Metric
 from fo_gym.evaluation.results.statistics import (
     interquartile_mean,
     rank_intervals,
-    stratified_difference,
     stratified_interval,
     stratified_mean,
-    tied,
-    tied_groups,
 )
+from fo_gym.evaluation.results.ties import Difference, compared_pairs, tied_groups
 from fo_gym.evaluation.runs.episodes import FAILED, KEY, OK, SET, TERMINATED, place_of
-from fo_gym.evaluation.runs.provenance import is_provenance
-from fo_gym.specs import BUILT_IN, spec_of
+from fo_gym.evaluation.runs.provenance import is_provenance, is_reference
+from fo_gym.specs import spec_of
 
 OVERALL = "overall"
 """What stands in the column env where all environments count together."""
 
-TO_BEST = ["frr_to_best", "frr_to_best_ci_low", "frr_to_best_ci_high"]
+TO_BEST = ["frr_to_best", "frr_to_best_ci_low", "frr_to_best_ci_high", "frr_to_best_p"]
 TO_BASELINE = ["frr_to_baseline", "frr_to_baseline_ci_low", "frr_to_baseline_ci_high"]
 STANDING = ["rank", "rank_ci_low", "rank_ci_high", "tied_group", "verdict", *TO_BEST, *TO_BASELINE]
 """Columns that compare a row with the others of its set; empty for references and rows without a score."""
 
-_Difference = tuple[float, float, float]
 _Row = list[Any]
 
 __all__ = ["OVERALL", "STANDING", "is_baseline", "leaderboard", "overall", "standings"]
@@ -57,7 +53,8 @@ def is_baseline(name: str, origin: str, *, learned: bool) -> bool:
 def leaderboard(episodes: pd.DataFrame) -> pd.DataFrame:
     """One row per environment, robot, variant and competitor, in the order of `episodes`.
 
-    Metrics are interquartile means over the seeds; frr has a 95 % bootstrap interval.
+    Metrics are interquartile means over the seeds, shares of episodes where they are 1 or 0 in one, and of hunting its
+    size and period where there is some; frr has a 95 % bootstrap interval.
 
     Args:
         episodes: rows as `evaluate` gives them.
@@ -70,7 +67,7 @@ def leaderboard(episodes: pd.DataFrame) -> pd.DataFrame:
     table = []
     for key, group in episodes.groupby(KEY, sort=False):
         name = [str(part) for part in key]
-        scores = {metric: interquartile_mean(group[metric].to_numpy()) for metric in others}
+        scores = {metric: _told_of(METRICS[metric], group) for metric in others}
         headline = _headline(group, [group["frr"].to_numpy()], name)
         told = _told(group, ["joint_unit"])
         table.append({**dict(zip(KEY, name, strict=True)), **headline, **scores, **told})
@@ -100,7 +97,7 @@ def overall(episodes: pd.DataFrame) -> pd.DataFrame:
         for name, group in rows.groupby("compensator", sort=False):
             headline = _headline(group, [values[name].to_numpy() for values in strata], [*label, str(name)])
             table.append({**dict(zip(KEY, [*label, str(name)], strict=True)), **headline, **_told(group, [])})
-        compared += _compared(strata, label, _baselines(rows))
+        compared += _compared(strata, label, rows)
     if not table:
         return pd.DataFrame(columns=[*KEY, *STANDING])
     return _with_standings(pd.DataFrame(table), pd.DataFrame(compared, columns=[*KEY, *STANDING]))
@@ -109,10 +106,9 @@ def overall(episodes: pd.DataFrame) -> pd.DataFrame:
 def standings(episodes: pd.DataFrame) -> pd.DataFrame:
     """Rank and comparisons of every competitor in its set (environment, robot and variant), by frr.
 
-    Built-in references and rows without a score are left out. All intervals are 95 % bootstrap intervals over the
+    References and rows without a score are left out. All intervals are 95 % bootstrap intervals over the
     seeds; differences are paired, seed by seed, and positive where the row is better than what it is compared with.
-    With one episode every interval is its value. Pairs are not corrected for their number: of twenty competitors
-    that are all the same, about one pair in twenty looks different.
+    With one episode every interval is its value. Whether two rows are tied says `Difference.tied`.
 
     Args:
         episodes: rows as `evaluate` gives them.
@@ -120,14 +116,15 @@ def standings(episodes: pd.DataFrame) -> pd.DataFrame:
     Returns:
         env, robot, variant, compensator, and, best first in every set:
         rank (1 = best, equal values share the better one), rank_ci_low, rank_ci_high;
-        tied_group: letters; the interval of the paired difference of two rows holds zero where they share one;
+        tied_group: letters; two rows are tied where they share one;
         verdict: "best", "tied" (with the best) or "behind";
-        frr_to_best: difference to the best row, with frr_to_best_ci_low, frr_to_best_ci_high;
+        frr_to_best: difference to the best row, with frr_to_best_ci_low, frr_to_best_ci_high, and frr_to_best_p, the
+        p-value of no difference, corrected for the number of all pairs of the set;
         frr_to_baseline: difference to the best baseline (`is_baseline`), with its interval; empty without one.
     """
     compared: list[_Row] = []
     for key, rows in episodes.groupby(SET, sort=False):
-        compared += _compared([_by_seed(rows)], [str(part) for part in key], _baselines(rows))
+        compared += _compared([_by_seed(rows)], [str(part) for part in key], rows)
     return pd.DataFrame(compared, columns=[*KEY, *STANDING])
 
 
@@ -156,6 +153,17 @@ def _headline(group: pd.DataFrame, strata: Sequence[Array], name: Sequence[str])
     return {"status": status, "error": error, "episodes": len(group), **frr}
 
 
+def _told_of(metric: Metric, group: pd.DataFrame) -> float:
+    """What a row says of a metric: see `Metric.share` and `Metric.where`; NaN where it applies to no episode."""
+    values = group[metric.name].to_numpy(dtype=np.float64)
+    if metric.where:
+        values = values[group[metric.where].to_numpy() == 1.0]
+    if metric.share:
+        values = values[~np.isnan(values)]
+        return float(np.mean(values)) if len(values) else np.nan
+    return interquartile_mean(values)
+
+
 def _told(group: pd.DataFrame, more: list[str]) -> dict[str, object]:
     """The columns `more` of a row, then its provenance."""
     columns = [*more, *(name for name in map(str, group) if is_provenance(name))]
@@ -180,34 +188,32 @@ def _by_seed(rows: pd.DataFrame) -> pd.DataFrame:
     return rows.pivot(index="seed", columns="compensator", values="frr")[rows["compensator"].unique()]
 
 
-def _compared(strata: Sequence[pd.DataFrame], label: Sequence[str], baselines: Container[str]) -> list[_Row]:
-    """Rows of `standings` for competitors that met the same strata, each as `_by_seed` gives it."""
+def _compared(strata: Sequence[pd.DataFrame], label: Sequence[str], rows: pd.DataFrame) -> list[_Row]:
+    """Rows of `standings` for competitors that met the same strata, each as `_by_seed` gives it of these rows."""
+    references, baselines = set(rows.loc[is_reference(rows), "compensator"]), _baselines(rows)
     means = {str(name): stratified_mean([values[name] for values in strata]) for name in strata[0]}
-    scored = {name: mean for name, mean in means.items() if name not in BUILT_IN and not np.isnan(mean)}
+    scored = {name: mean for name, mean in means.items() if name not in references and not np.isnan(mean)}
     names = sorted(scored, key=scored.__getitem__, reverse=True)
     if not names:
         return []
-    pairs = _pairs(strata, names, label)
-    ties = np.array([[tied(*pairs[one, other][1:]) for other in names] for one in names])
+    numbers = {name: [values[name].to_numpy() for values in strata] for name in names}
+    pairs = compared_pairs(numbers, lambda one, other: _generator(*label, one, other, "paired"))
+    ties = np.array([[pairs[one, other].tied for other in names] for one in names])
     ranks = rankdata([-scored[name] for name in names], method="min")
     intervals = rank_intervals([values[names].to_numpy() for values in strata], _generator(*label, "ranks"))
     best, baseline = names[0], next((name for name in names if name in baselines), None)
-    rows: list[_Row] = []
+    standing_rows: list[_Row] = []
     for i, (name, group) in enumerate(zip(names, tied_groups(ties), strict=True)):
         verdict = "best" if name == best else "tied" if ties[0, i] else "behind"
-        to_baseline = pairs[name, baseline] if baseline else (np.nan,) * 3
-        standing = [ranks[i], *intervals[i], group, verdict, *pairs[name, best], *to_baseline]
-        rows.append([*label, name, *standing])
-    return rows
+        to_best = pairs[name, best]
+        against = [to_best.mean, to_best.low, to_best.high, to_best.p, *_interval(pairs, name, baseline)]
+        standing = [ranks[i], *intervals[i], group, verdict, *against]
+        standing_rows.append([*label, name, *standing])
+    return standing_rows
 
 
-def _pairs(
-    strata: Sequence[pd.DataFrame], names: Sequence[str], label: Sequence[str]
-) -> dict[tuple[str, str], _Difference]:
-    """Paired difference of every two competitors, with its interval, and its negative for the pair turned around."""
-    pairs = {(name, name): (0.0, 0.0, 0.0) for name in names}
-    for one, other in combinations(sorted(names), 2):
-        first, second = ([values[name].to_numpy() for values in strata] for name in (one, other))
-        mean, low, high = stratified_difference(first, second, _generator(*label, one, other, "paired"))
-        pairs[one, other], pairs[other, one] = (mean, low, high), (-mean, -high, -low)
-    return pairs
+def _interval(pairs: Mapping[tuple[str, str], Difference], name: str, other: str | None) -> tuple[float, float, float]:
+    """The difference of a row to another one with its interval; NaN where there is none."""
+    if other is None:
+        return (np.nan,) * 3
+    return pairs[name, other].mean, pairs[name, other].low, pairs[name, other].high

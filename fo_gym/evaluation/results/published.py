@@ -104,7 +104,7 @@ def _protocol_of(table: pd.DataFrame, protocol: str | Path | None) -> str | Path
 
 def _arguments(env_id: str, robot: str, robots: Mapping[str, str]) -> dict[str, Any]:
     """Arguments of the environment that bring it the robot of a row. Raises ValueError where it is not known here."""
-    if robot == robot_of(environment_of(env_id).robot).name:
+    if robot == environment_of(env_id).robot_name:
         return {}
     if robot not in robots and robot not in shipped_robots():
         raise ValueError(

@@ -1,4 +1,4 @@
-"""From one number per seed to what is published: robust means, their intervals, ranks, and who is tied with whom.
+"""From one number per seed to what is published: robust means, differences, their intervals, and ranks.
 
 A *stratum* is one set of episodes (an environment in a variant). Its seeds are resampled on their own, so that every
 resample has as many episodes of each stratum as there are, and every stratum counts the same.
@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -25,8 +24,6 @@ __all__ = [
     "stratified_difference",
     "stratified_interval",
     "stratified_mean",
-    "tied",
-    "tied_groups",
 ]
 
 
@@ -170,40 +167,6 @@ def rank_intervals(
     seeds = [np.arange(len(values), dtype=np.float64) for values in whole]
     low, high = _percentiles(seeds, ranks, rng, level, resamples)
     return np.stack([np.floor(low), np.ceil(high)], axis=-1).astype(np.int64)
-
-
-def tied(low: float, high: float) -> bool:
-    """Whether the interval of a difference holds zero, ends included; False for NaN."""
-    return low <= 0.0 <= high
-
-
-def tied_groups(ties: NDArray[np.bool_]) -> list[str]:
-    """The letters of each competitor: two that are tied share at least one, two that are not share none.
-
-    A compact letter display (Piepho, J. Comput. Graph. Stat. 13, 2004, "insert and absorb"): being tied is not
-    transitive, so that a competitor may belong to several groups. "a" is a group of the first competitor.
-
-    Args:
-        ties: (n, n), symmetric, whether i and j are tied; in the order of the table.
-
-    Returns:
-        One string per competitor, such as "a", "ab", "b".
-    """
-    groups = [frozenset(range(len(ties)))]
-    for i, j in combinations(range(len(ties)), 2):
-        if not ties[i, j]:
-            split: list[frozenset[int]] = []
-            for group in groups:
-                split += [group - {i}, group - {j}] if {i, j} <= group else [group]
-            groups = [one for one in dict.fromkeys(split) if not any(one < other for other in split)]
-    ordered = sorted(groups, key=sorted)
-    return ["".join(_letter(k) for k, group in enumerate(ordered) if i in group) for i in range(len(ties))]
-
-
-def _letter(k: int) -> str:
-    """a, b, ..., z, a1, b1, ..."""
-    turns, place = divmod(k, 26)
-    return chr(ord("a") + place) + (str(turns) if turns else "")
 
 
 def _check(rng: np.random.Generator, level: float, resamples: int) -> None:

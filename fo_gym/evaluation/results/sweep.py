@@ -24,7 +24,7 @@ from fo_gym.evaluation.runs.evaluate import check_arguments, evaluation_seeds
 from fo_gym.evaluation.runs.run import run_contests
 from fo_gym.evaluation.runs.trial import failed_trial
 
-_BATCH = 64
+_BATCH = 24
 """Episodes that share a batch, about: larger ones gain little time and take more memory."""
 
 Gains = Mapping[str, Sequence[float]]
@@ -92,7 +92,7 @@ def sweep(
     gains: Gains,
     *,
     variant: str = "nominal",
-    seeds: int | Sequence[int] = 20,
+    seeds: int | Sequence[int] | None = None,
     jobs: int = 1,
     **env_kwargs: Any,
 ) -> pd.DataFrame:
@@ -102,8 +102,8 @@ def sweep(
         compensator: a registered name, "module:Class", "file.py:Class" or an entry (*.toml).
         env_id: a registered environment, such as "FJRStiction-v0".
         gains: values of each gain by the name of the keyword argument, such as {"L": [50, 100], "Lp": [10, 20]}.
-        variant: variant of it; "nominal" is one episode.
-        seeds: how many validation seeds, or the seeds themselves.
+        variant: variant of it.
+        seeds: as for `evaluate`.
         jobs: worker processes; -1 = one per core. With 1 everything runs in this process.
         env_kwargs: further arguments of the environment.
 
@@ -125,7 +125,7 @@ class Plan:
 
     Args:
         grid: who is scored, with which gains.
-        sets: the episodes; `none` and `ideal` of each run once.
+        sets: the episodes; the references of each run once.
         jobs: number of workers, among which the sets of gains are spread; -1 = one per core.
 
     Attributes:

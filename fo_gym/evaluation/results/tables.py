@@ -7,9 +7,11 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from fo_gym.evaluation.competitors.competitor import SUBMISSION, YOURS, Competitor
+from fo_gym.evaluation.competitors.competitor import REFERENCE, SUBMISSION, YOURS, Competitor
 from fo_gym.evaluation.results.leaderboard import leaderboard, overall
+from fo_gym.evaluation.results.ties import RELEVANT
 from fo_gym.evaluation.runs.episodes import OK, SET, label_of, place_of
+from fo_gym.evaluation.runs.provenance import is_reference
 from fo_gym.specs import BUILT_IN
 from fo_gym.text import MESSAGE_LIMIT, NAME_LIMIT, markdown_code, markdown_table, markdown_text, one_line
 
@@ -19,7 +21,11 @@ MARKS = {SUBMISSION: "†", YOURS: "*"}
 # Beside frr: column, heading, and the factor from the column's unit to the heading's.
 _SHOWN = (
     ("steady_state_error_ju", "steady-state error [m{unit}]", 1e3),
+    ("hunting_ratio", "hunting [%]", 1e2),
     ("limit_cycle_peak_to_peak_ju", "limit cycle [m{unit}]", 1e3),
+    ("limit_cycle_period_s", "period [s]", 1.0),
+    ("torque_roughness_ratio", "roughness [%]", 1e2),
+    ("passivity_violation_ratio", "not passive [%]", 1e2),
     ("tool_rms_error_mm", "tool RMS [mm]", 1.0),
     ("contour_error_mm", "contour RMS [mm]", 1.0),
     ("estimate_lag_ms", "lag [ms]", 1.0),
@@ -74,7 +80,7 @@ def _number(value: Any, form: str, factor: float = 1.0) -> str:
 
 
 def _verdict(row: pd.Series[Any]) -> str:
-    words = "reference" if row["compensator"] in BUILT_IN else row["verdict"]
+    words = "reference" if row["compensator"] in BUILT_IN or row["origin"] == REFERENCE else row["verdict"]
     note = "" if row["status"] == OK else one_line(f"{row['status']}: {row['error']}", MESSAGE_LIMIT)
     return "; ".join(str(part) for part in (words, note) if part and not pd.isna(part))
 
@@ -89,7 +95,8 @@ def _cells(row: pd.Series[Any], shown: list[tuple[str, str, float]]) -> list[str
         _number(row["rank"], ".0f"),
         marked(row["compensator"], row["origin"]),
         _number(row["frr"], ".4f"),
-        _range(row["frr_ci_low"], row["frr_ci_high"], ".4f"),
+        _number(1.0 - row["frr"], ".3g"),
+        _range(1.0 - row["frr_ci_high"], 1.0 - row["frr_ci_low"], ".2g"),
         _range(row["rank_ci_low"], row["rank_ci_high"], ".0f"),
         "" if pd.isna(row["tied_group"]) else row["tied_group"],
         *scores,
@@ -118,9 +125,9 @@ def rankings(episodes: pd.DataFrame, table: pd.DataFrame | None = None) -> Itera
 
 
 def _ranking(title: str, rows: pd.DataFrame, shown: list[tuple[str, str, float]]) -> Ranking:
-    """The rows as a ranking, with the columns `shown` (column, heading, factor) beside frr."""
+    """The rows as a ranking, with the columns `shown` (column, heading, factor) beside frr and 1 - frr."""
     ordered = rows.sort_values("rank", kind="stable", na_position="last")
-    before = ["rank", "compensator", "FRR", "95 % interval", "ranks", "group"]
+    before = ["rank", "compensator", "FRR", "1-FRR", "95 % interval", "ranks", "group"]
     cells = [_cells(row, shown) for _, row in ordered.iterrows()]
     headings = [*before, *(heading for _, heading, _ in shown), "verdict"]
     return Ranking(title, headings, cells, _own(list(ordered["origin"])))
@@ -136,7 +143,7 @@ def finding(table: pd.DataFrame, variant: str) -> str:
     Raises:
         ValueError: the table has no such variant.
     """
-    rows = table[(table["variant"] == variant) & ~table["compensator"].isin(BUILT_IN)]
+    rows = table[(table["variant"] == variant) & ~is_reference(table)]
     if not len(rows):
         known = ", ".join(map(str, table["variant"].unique()))
         raise ValueError(f"the table has no variant {variant!r}; it has {known}")
@@ -151,7 +158,7 @@ def finding(table: pd.DataFrame, variant: str) -> str:
     losers = "; ".join(f"{where}: {', '.join(names)}" for where, names in beaten.items() if names) or "nobody"
     unscored = _codes(rows[rows["frr"].isna()].drop_duplicates("compensator"))
     losers += f"; without a score somewhere: {', '.join(unscored)}" if unscored else ""
-    return f"In `{variant}`, {'; '.join(leaders)}. Beaten by the best (95 % interval without zero): {losers}."
+    return f"In `{variant}`, {'; '.join(leaders)}. Behind the best, by more than chance and {RELEVANT:g}: {losers}."
 
 
 def _leaders(place: str, rows: pd.DataFrame) -> str:
@@ -181,7 +188,7 @@ def summary(table: pd.DataFrame) -> Ranking:
     Args:
         table: rows as `leaderboard` gives them.
     """
-    competitors = table[~table["compensator"].isin(BUILT_IN)]
+    competitors = table[~is_reference(table)]
     frr = competitors.pivot(index="compensator", columns=SET, values="frr")
     sets = list(table[SET].drop_duplicates().itertuples(index=False, name=None))
     mean = frr.mean(axis=1, skipna=False).sort_values(ascending=False, kind="stable", na_position="last")

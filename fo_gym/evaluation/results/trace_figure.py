@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fo_gym.evaluation.competitors.competitor import YOURS
+from fo_gym.evaluation.competitors.competitor import REFERENCE, YOURS
 from fo_gym.evaluation.episode.trace import Trace
 from fo_gym.evaluation.results.style import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, label
 from fo_gym.evaluation.results.tables import marked
@@ -52,7 +52,7 @@ def trace_figure(traces: Sequence[Trace], origins: Mapping[str, str]) -> Figure:
     """
     figure = Figure(figsize=_SIZE, layout="constrained")
     left, right = figure.subplots(1, 2)
-    competitors = [trace for trace in traces if trace.compensator not in BUILT_IN]
+    competitors = _competitors(traces, origins)
     curves = _chosen(traces, origins)
     if "tool" in traces[0].signals:
         _draw_paths(left, right, curves)
@@ -66,9 +66,18 @@ def trace_figure(traces: Sequence[Trace], origins: Mapping[str, str]) -> Figure:
     return figure
 
 
+def _competitors(traces: Sequence[Trace], origins: Mapping[str, str]) -> list[Trace]:
+    """Those that are of no reference."""
+    return [
+        trace
+        for trace in traces
+        if trace.compensator not in BUILT_IN and origins.get(trace.compensator, "") != REFERENCE
+    ]
+
+
 def _chosen(traces: Sequence[Trace], origins: Mapping[str, str]) -> list[_Curve]:
     """What is drawn, with its name in the legend and its line."""
-    competitors = [trace for trace in traces if trace.compensator not in BUILT_IN]
+    competitors = _competitors(traces, origins)
     competitors.sort(key=lambda trace: (origins.get(trace.compensator) != YOURS, -trace.frr))
     curves = [
         (trace, trace.compensator, _REFERENCES[trace.compensator])

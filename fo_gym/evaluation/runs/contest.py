@@ -14,7 +14,7 @@ from fo_gym.evaluation.competitors.entry import check_names, competitor_of
 from fo_gym.evaluation.episode.trace import Trace
 from fo_gym.evaluation.runs.episodes import EpisodeSet
 from fo_gym.evaluation.runs.protocol import Protocol
-from fo_gym.evaluation.runs.trial import IDEAL, NONE
+from fo_gym.evaluation.runs.trial import REFERENCES
 from fo_gym.friction import LuGre, law_class
 from fo_gym.robots import Robot, RobotLike, robot_of
 from fo_gym.specs import BUILT_IN
@@ -27,7 +27,7 @@ __all__ = ["Contest", "Results", "competitors_of", "contests_in", "episodes_in",
 
 @dataclass(frozen=True)
 class Contest:
-    """A set of episodes, and who meets them besides `none` and `ideal`.
+    """A set of episodes, and who meets them besides the references.
 
     Attributes:
         episodes: what they meet.
@@ -42,11 +42,11 @@ class Contest:
     @property
     def everybody(self) -> tuple[Competitor, ...]:
         """The references first."""
-        return NONE, IDEAL, *self.competitors
+        return *REFERENCES, *self.competitors
 
     @property
     def runs(self) -> int:
-        """How many runs there are, `none` and `ideal` counted as one."""
+        """How many runs there are, the references counted as one."""
         return 1 + len(self.competitors)
 
 
@@ -58,8 +58,8 @@ class Results:
         episodes: one row per episode, in the protocol's order.
         timing: one row per run: time per call of `estimate`, for the whole batch, when it was computed.
         traces: the nominal episodes, and where asked for (or kept in the store) those of the other variants.
-        competitors: who took part, besides `none` and `ideal`.
-        runs: number of runs, `none` and `ideal` of a set counted as one.
+        competitors: who took part, besides the references.
+        runs: number of runs, the references of a set counted as one.
         stored: how many of them were taken from the store.
     """
 
@@ -72,7 +72,7 @@ class Results:
 
 
 def competitors_of(protocol: Protocol, submissions: Sequence[Competitor] = ()) -> tuple[Competitor, ...]:
-    """Who takes part besides `none` and `ideal`: those that the protocol names, then the submissions.
+    """Who takes part besides the references: those that the protocol names, then the submissions.
 
     Raises:
         ValueError: an entry is not allowed, or two have the same name.

@@ -4,17 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import pandas as pd
 
-from fo_gym.compensators import Compensator, Ideal, NoCompensation
+from fo_gym.compensators import Compensator, Ideal, NoCompensation, has_learned, is_privileged
 from fo_gym.envs.registry import ENVIRONMENTS, environment_of
+from fo_gym.envs.vector import JointVectorEnv
+from fo_gym.evaluation.competitors.competitor import REFERENCE
 from fo_gym.evaluation.episode.recorder import record
 from fo_gym.evaluation.episode.recording import Recording, References
 from fo_gym.evaluation.metrics import METRICS, score
+from fo_gym.evaluation.runs.cloud import spread_out
 from fo_gym.evaluation.runs.provenance import provenance
 from fo_gym.robots import Robot, robot_of
+from fo_gym.specs import BUILT_IN
+from fo_gym.tasks.variants import NOMINAL
 
 OK, TERMINATED, FAILED = "ok", "terminated", "failed"
 
@@ -45,7 +51,8 @@ class EpisodeSet:
     Attributes:
         env_id: registered environment.
         variant: variant of it.
-        seeds: one per episode.
+        seeds: one per episode; of the nominal variant 0 is the episode itself, and others move its start by next to
+            nothing.
         env_kwargs: further arguments of the environment.
         traced: whether the worst, the median and the best are kept tick by tick; the nominal one is, in any case.
     """
@@ -56,7 +63,7 @@ class EpisodeSet:
     env_kwargs: Mapping[str, Any]
     traced: bool = False
 
-    @property
+    @cached_property
     def robot(self) -> Robot:
         """The robot of these episodes: the one that is named, or the environment's own."""
         return robot_of(self.env_kwargs.get("robot") or environment_of(self.env_id).robot)
@@ -68,13 +75,18 @@ class EpisodeSet:
 
     def record(self, compensator: Compensator, name: str) -> Recording:
         """Run `compensator` on these episodes."""
-        return record(compensator, name, self.env_id, self.variant, self.seeds, self.env_kwargs)
+        return record(compensator, name, self.env_id, self.variant, self.seeds, self.env_kwargs, self.start)
+
+    def start(self, env: JointVectorEnv) -> None:
+        """Change what is drawn, before anything moves: nominal episodes start from a cloud, see `spread_out`."""
+        if self.variant == NOMINAL:
+            spread_out(env, self.seeds)
 
 
 def place_of(env_id: object, robot: object) -> str:
     """Where episodes are, for a reader: the environment, and the robot where it is not the environment's own."""
     known = ENVIRONMENTS.get(str(env_id))
-    return str(env_id) if robot in ("", known.robot if known is not None else "") else f"{env_id} on {robot}"
+    return str(env_id) if robot in ("", known.robot_name if known is not None else "") else f"{env_id} on {robot}"
 
 
 def label_of(env_id: object, robot: object, variant: object) -> str:
@@ -88,9 +100,14 @@ def references_of(episodes: EpisodeSet) -> tuple[Recording, Recording]:
 
 
 def rows(
-    episodes: EpisodeSet, name: str, recording: Recording, references: References, *, learned: bool = False
+    episodes: EpisodeSet, name: str, recording: Recording, references: References, compensator: Compensator
 ) -> pd.DataFrame:
-    """The scores of a recording, one row per episode; `origin`, `competitor_hash` and `protocol` are "" in it."""
+    """The scores of a recording of `compensator`, one row per episode.
+
+    `competitor_hash` and `protocol` are "" in it, and so is `origin` but of a reference.
+    """
+    reference = name in BUILT_IN or is_privileged(compensator)
+    told = provenance(origin=REFERENCE if reference else "", learned=has_learned(compensator))
     table = []
     for i, seed in enumerate(episodes.seeds):
         episode = recording.episode(i, references)
@@ -107,7 +124,7 @@ def rows(
                 "error": error,
                 **score(episode),
                 "joint_unit": episode.joint_unit,
-                **provenance(learned=learned),
+                **told,
             }
         )
     return pd.DataFrame(table)

@@ -11,11 +11,12 @@ import numpy as np
 import pandas as pd
 
 from fo_gym.checks import choice, only, shown, text, whole_number
-from fo_gym.compensators import Compensator, handed, has_learned
+from fo_gym.compensators import Compensator, handed
 from fo_gym.evaluation.competitors.entry import competitor_of
 from fo_gym.evaluation.episode.recording import References
+from fo_gym.evaluation.runs.bound import bound_of
 from fo_gym.evaluation.runs.episodes import EpisodeSet, references_of, rows
-from fo_gym.evaluation.runs.seeds import VALIDATION_SEEDS, seeds_for
+from fo_gym.evaluation.runs.seeds import VALIDATION_SEEDS, seeds_for, usual_count
 from fo_gym.generators import seed_number
 from fo_gym.simulation.settings import Settings
 from fo_gym.tasks.variants import VARIANTS
@@ -23,8 +24,10 @@ from fo_gym.tasks.variants import VARIANTS
 __all__ = ["check_arguments", "evaluate", "evaluation_seeds"]
 
 
-def evaluation_seeds(variant: str, seeds: int | Sequence[int]) -> tuple[int, ...]:
-    """The seeds that are meant: n means `seeds_for` the variant, of the validation seeds."""
+def evaluation_seeds(variant: str, seeds: int | Sequence[int] | None) -> tuple[int, ...]:
+    """The seeds that are meant: n means `seeds_for` the variant, of the validation seeds; None, `usual_count`."""
+    if seeds is None:
+        return seeds_for(variant, VALIDATION_SEEDS, usual_count([variant]))
     if isinstance(seeds, Sequence | np.ndarray) and not isinstance(seeds, str | bytes) and np.ndim(seeds) == 1:
         given = tuple(seed_number(f"seeds[{i}]", seed) for i, seed in enumerate(seeds))
         if not given or len(set(given)) < len(given):
@@ -42,7 +45,12 @@ def check_arguments(env_id: Any, variant: Any, env_kwargs: Mapping[str, Any]) ->
     """
     text("env_id", env_id)
     choice("variant", variant, VARIANTS)
-    for fixed, why in (("feedback", "it is the compensator's"), ("action_mode", "estimates are scored")):
+    set_here = {
+        "feedback": "it is the compensator's",
+        "action_mode": "estimates are scored",
+        "disturbed": "the reference ideal is what runs undisturbed",
+    }
+    for fixed, why in set_here.items():
         if fixed in env_kwargs:
             raise ValueError(f"{fixed} cannot be chosen in an evaluation: {why}; leave it out")
     only("keyword argument", env_kwargs, [each.name for each in fields(Settings)])
@@ -53,7 +61,7 @@ def evaluate(
     env_id: str,
     *,
     variant: str = "nominal",
-    seeds: int | Sequence[int] = 20,
+    seeds: int | Sequence[int] | None = None,
     **env_kwargs: Any,
 ) -> pd.DataFrame:
     """Score a compensator, beside the friction-free and the uncompensated run of the same episodes.
@@ -62,8 +70,9 @@ def evaluate(
         compensator: a registered name, "module:Class", "file.py:Class", an entry (*.toml), a class or an instance.
             What is named, and is not the project's own, runs in a process of its own; classes and instances in this.
         env_id: a registered environment, such as "FJRStiction-v0".
-        variant: variant of it; "nominal" is one episode.
-        seeds: how many validation seeds, or the seeds themselves.
+        variant: variant of it.
+        seeds: how many validation seeds, or the seeds themselves; None means 20, and 1 of "nominal", whose episodes
+            beyond the first start a micrometre or a microradian beside it.
         env_kwargs: further arguments of the environment.
 
     Returns:
@@ -73,6 +82,7 @@ def evaluate(
     Raises:
         CompensatorError: the compensator raised, or returned what is not a finite (num_envs, dof) array.
         ValueError, TypeError: an argument is not allowed.
+        FileNotFoundError: there is no such robot file.
     """
     check_arguments(env_id, variant, env_kwargs)
     with _playing(compensator, env_id, variant) as (name, instance, content):
@@ -80,7 +90,9 @@ def evaluate(
         recording = episodes.record(instance, name)  # first: what cannot run says so at once
     none, ideal = references_of(episodes)
     references = References(ideal.motions, none.motions)
-    table = rows(episodes, name, recording, references, learned=has_learned(instance))
+    if compensator == "bound":
+        recording = bound_of(episodes, references)
+    table = rows(episodes, name, recording, references, instance)
     return table.assign(competitor_hash=content)
 
 

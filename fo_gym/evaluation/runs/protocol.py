@@ -32,11 +32,11 @@ class Protocol:
     Attributes:
         name: what to call it.
         split: "leaderboard" or "validation", whose seeds are used.
-        seeds: episodes of each variant; of one without randomness a single one is run (`seeds_for`).
+        seeds: episodes of each variant (`seeds_for`).
         environments: registered ids, or "file.py:ID" and "module:ID" of one's own.
         variants: variants of each.
         compensators: registered names, "module:Class", "file.py:Class", or entries: the name of a shipped one, or
-            the path of a TOML file. `none` and `ideal` run always.
+            the path of a TOML file. The references `none`, `ideal` and `bound` run always.
         robots: by the names that tables call them, shipped robots or files, on each of which the environments for arms
             run; without any they run on their own.
         laws: friction laws, by the names of `fo_gym.friction.law_class`, under each of which everything is run, with

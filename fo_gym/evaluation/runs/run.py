@@ -12,10 +12,11 @@ from fo_gym.evaluation.runs.backends import Backend, BackendError, Processes
 from fo_gym.evaluation.runs.contest import Contest, Results, contests_in
 from fo_gym.evaluation.runs.protocol import Protocol
 from fo_gym.evaluation.runs.store import Store
-from fo_gym.evaluation.runs.trial import Trial, failed_trial, reference_trials, trials_together
+from fo_gym.evaluation.runs.trial import REFERENCES, Trial, failed_trial, reference_trials, trials_together
+from fo_gym.specs import BUILT_IN
 
 OnRun = Callable[[str], None]
-"""Called with a label after every run, `none` and `ideal` counted as one."""
+"""Called with a label after every run, the references counted as one."""
 
 ENDED = "it ended the process that it ran in"
 """The error of a competitor that takes its process down, as a crash in compiled code does."""
@@ -46,7 +47,8 @@ class _Runner:
         for number, contest in enumerate(self.contests):
             # The rows of the references may be there, but if anybody else's are not, their motions are needed.
             references = () if self.missing(number) else (0,)
-            others = (place for place in range(2, len(contest.everybody)) if (number, place) in self.trials)
+            competing = range(len(REFERENCES), len(contest.everybody))
+            others = (place for place in competing if (number, place) in self.trials)
             for place in (*references, *others):
                 self.stored += 1
                 self._tell(number, place, ", from the store")
@@ -57,7 +59,7 @@ class _Runner:
 
     def _tell(self, number: int, place: int, how: str = "") -> None:
         contest = self.contests[number]
-        who = "none, ideal" if place <= 1 else contest.everybody[place].name
+        who = ", ".join(BUILT_IN) if place < len(REFERENCES) else contest.everybody[place].name
         self.announce(f"{contest.episodes.label}: {who}{how}")
 
     def _keep(self, number: int, place: int, trial: Trial) -> None:
@@ -68,7 +70,7 @@ class _Runner:
                 self.store.save(contest.episodes, contest.everybody[place], trial)
 
     def run_references(self, backend: Backend) -> dict[int, References]:
-        """`none` and `ideal` of every contest in which something is missing: the scores of all need them."""
+        """The references of every contest in which something is missing: the scores of all need them."""
         needed = [number for number in range(len(self.contests)) if self.missing(number)]
         found: dict[int, References] = {}
         for place, result in backend.run(reference_trials, [(self.contests[n].episodes,) for n in needed]):
@@ -76,11 +78,11 @@ class _Runner:
             if result is None:
                 episodes = self.contests[number].episodes
                 raise BackendError(
-                    f"the process that ran none and ideal of {episodes.env_id}, {episodes.variant} was killed each "
+                    f"the process that ran the references of {episodes.env_id}, {episodes.variant} was killed each "
                     "time it was tried; is there enough memory? Use fewer --jobs"
                 )
-            found[number], *both = result
-            for reference, trial in enumerate(both):
+            found[number], trials = result
+            for reference, trial in enumerate(trials):
                 self._keep(number, reference, trial)
             self._tell(number, 0)
         return found
@@ -175,7 +177,7 @@ def run_protocol(
         jobs: worker processes; -1 = one per core. With 1 everything runs in this process.
         backend: who does the work, instead of `jobs` processes.
         store: what was computed before is taken from there, what is computed now is kept there; None = neither.
-        on_run: called with a label after every run, `none` and `ideal` counted as one.
+        on_run: called with a label after every run, the references counted as one.
 
     Raises:
         ValueError: an entry is not allowed, or two competitors have the same name.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from fo_gym.checks import shown
 from fo_gym.tasks.variants import NOMINAL
 
@@ -11,7 +13,15 @@ VALIDATION_SEEDS = range(1_000_000_000, 1_000_001_000)
 TUNING_SEEDS = range(1_500_000_000, 1_500_001_000)
 LEADERBOARD_SEEDS = range(2_000_000_000, 2_000_001_000)
 
-__all__ = ["LEADERBOARD_SEEDS", "TRAINING_SEEDS", "TUNING_SEEDS", "VALIDATION_SEEDS", "first", "seeds_for"]
+__all__ = [
+    "LEADERBOARD_SEEDS",
+    "TRAINING_SEEDS",
+    "TUNING_SEEDS",
+    "VALIDATION_SEEDS",
+    "first",
+    "seeds_for",
+    "usual_count",
+]
 
 
 def first(seeds: range, count: int) -> tuple[int, ...]:
@@ -26,10 +36,17 @@ def first(seeds: range, count: int) -> tuple[int, ...]:
 
 
 def seeds_for(variant: str, seeds: range, count: int) -> tuple[int, ...]:
-    """The seeds that a variant runs: the first `count`, or a single one where all episodes are the same.
+    """The seeds that a variant runs: the first `count`; of the nominal one, which draws nothing from them, 0, 1, ...
+
+    The nominal episode itself is seed 0, the others are its cloud, see `fo_gym.evaluation.runs.cloud`.
 
     Raises:
         ValueError: `count` is below 1 or above the number of seeds.
     """
     chosen = first(seeds, count)
-    return chosen[:1] if variant == NOMINAL else chosen
+    return tuple(range(count)) if variant == NOMINAL else chosen
+
+
+def usual_count(variants: Iterable[str]) -> int:
+    """How many episodes of each variant are run where nobody says: 20, and 1 where there is the nominal one alone."""
+    return 1 if set(variants) == {NOMINAL} else 20

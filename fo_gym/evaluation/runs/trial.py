@@ -10,18 +10,20 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from fo_gym.compensators import Compensator, has_learned
+from fo_gym.compensators import Bound, Compensator, Ideal, NoCompensation
 from fo_gym.evaluation.competitors.competitor import REFERENCE, Competitor
-from fo_gym.evaluation.competitors.team import Team, by_feedback
+from fo_gym.evaluation.competitors.team import Team, alike
 from fo_gym.evaluation.episode.recording import Recording, References
 from fo_gym.evaluation.episode.trace import Trace, traces_of
+from fo_gym.evaluation.runs.bound import bound_of
 from fo_gym.evaluation.runs.episodes import FAILED, EpisodeSet, failed_rows, references_of, rows
+from fo_gym.specs import BUILT_IN
 from fo_gym.tasks.variants import NOMINAL
 
-NONE = Competitor("none", "none", REFERENCE)
-IDEAL = Competitor("ideal", "ideal", REFERENCE)
+REFERENCES = tuple(Competitor(name, name, REFERENCE) for name in BUILT_IN)
+"""Who meets every set of episodes, in this order."""
 
-__all__ = ["IDEAL", "NONE", "Trial", "competitor_trial", "failed_trial", "reference_trials", "trials_together"]
+__all__ = ["REFERENCES", "Trial", "competitor_trial", "failed_trial", "reference_trials", "trials_together"]
 
 
 @dataclass(frozen=True)
@@ -31,7 +33,8 @@ class Trial:
     Attributes:
         rows: one per episode, as `rows` gives them.
         timing: median and 99th percentile of the time per call of `estimate`, for the whole batch; None if it failed.
-        traces: the nominal episode, thinned; of other variants the worst, the median and the best, where asked for.
+        traces: the first nominal episode, thinned; of other variants the worst, the median and the best, where asked
+            for.
     """
 
     rows: pd.DataFrame
@@ -47,8 +50,10 @@ class Trial:
         """The same with the names that this run gives it: a trial out of the store may have had others."""
         name = competitor.name
         content = competitor.hash_on(episodes.env_id, episodes.variant)
+        reference = bool((self.rows["origin"] == REFERENCE).all())  # as who is privileged says of itself
+        origin = REFERENCE if reference else competitor.origin
         return Trial(
-            self.rows.assign(compensator=name, origin=competitor.origin, competitor_hash=content, protocol=protocol),
+            self.rows.assign(compensator=name, origin=origin, competitor_hash=content, protocol=protocol),
             None if self.timing is None else {**self.timing, "compensator": name},
             tuple(replace(trace, compensator=name) for trace in self.traces),
         )
@@ -68,33 +73,35 @@ def _timing(episodes: EpisodeSet, name: str, recording: Recording) -> dict[str, 
 
 
 def _trial(
-    episodes: EpisodeSet, name: str, recording: Recording, references: References, *, learned: bool = False
+    episodes: EpisodeSet, name: str, recording: Recording, references: References, compensator: Compensator
 ) -> Trial:
-    scores = rows(episodes, name, recording, references, learned=learned)
-    kept = episodes.traced or episodes.variant == NOMINAL
-    traces = traces_of(name, scores, recording, references) if kept else ()
+    scores = rows(episodes, name, recording, references, compensator)
+    shown = scores[:1] if episodes.variant == NOMINAL else scores if episodes.traced else scores[:0]
+    traces = traces_of(name, shown, recording, references)
     return Trial(scores, _timing(episodes, name, recording), traces)
 
 
-def reference_trials(episodes: EpisodeSet) -> tuple[References, Trial, Trial]:
-    """What all scores of a set are relative to, then the trials of `none` and of `ideal`."""
+def reference_trials(episodes: EpisodeSet) -> tuple[References, list[Trial]]:
+    """What all scores of a set are relative to, then the trials of `REFERENCES`."""
     none, ideal = references_of(episodes)
     references = References(ideal.motions, none.motions)
-    return (
-        references,
-        _trial(episodes, NONE.name, none, references),
-        _trial(episodes, IDEAL.name, ideal, references),
-    )
+    runs: list[tuple[Recording, Compensator]] = [(none, NoCompensation()), (ideal, Ideal())]
+    runs.append((bound_of(episodes, references), Bound()))
+    trials = [
+        _trial(episodes, each.name, recording, references, compensator)
+        for each, (recording, compensator) in zip(REFERENCES, runs, strict=True)
+    ]
+    return references, trials
 
 
 def competitor_trial(episodes: EpisodeSet, competitor: Competitor, references: References) -> Trial:
     """One competitor on one set of episodes. Whatever goes wrong in it becomes its failed rows."""
     try:
         with competitor.playing(episodes.env_id, episodes.variant) as compensator:
-            recording, learned = episodes.record(compensator, competitor.name), has_learned(compensator)
+            recording = episodes.record(compensator, competitor.name)
     except (Exception, SystemExit) as error:
         return failed_trial(episodes, competitor, f"{type(error).__name__}: {error}")
-    return _trial(episodes, competitor.name, recording, references, learned=learned)
+    return _trial(episodes, competitor.name, recording, references, compensator)
 
 
 def trials_together(episodes: EpisodeSet, competitors: Sequence[Competitor], references: References) -> list[Trial]:
@@ -111,14 +118,13 @@ def trials_together(episodes: EpisodeSet, competitors: Sequence[Competitor], ref
             with suppress(Exception, SystemExit):
                 made[place] = competitor.make(episodes.env_id, episodes.variant)
     trials: dict[int, Trial] = {}
-    for places in by_feedback(made):
+    for places in alike(made):
         team = Team([made[place] for place in places], len(episodes.seeds))
         with suppress(Exception, SystemExit):
             recording = replace(episodes, seeds=episodes.seeds * len(places)).record(team, "team")
             for member, place in enumerate(places):
                 own = recording.part(team.rows(member))
-                learned = has_learned(made[place])
-                trials[place] = _trial(episodes, competitors[place].name, own, references, learned=learned)
+                trials[place] = _trial(episodes, competitors[place].name, own, references, made[place])
     alone = (place for place in range(len(competitors)) if place not in trials)
     trials |= {place: competitor_trial(episodes, competitors[place], references) for place in alone}
     return [trials[place] for place in range(len(competitors))]

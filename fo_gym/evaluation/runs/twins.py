@@ -8,16 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from fo_gym.compensators import Compensator
 from fo_gym.envs.vector import JointVectorEnv
-from fo_gym.evaluation.episode.recorder import record
-from fo_gym.evaluation.episode.recording import Recording
+from fo_gym.evaluation.runs.cloud import moved, sides
 from fo_gym.evaluation.runs.episodes import EpisodeSet
-from fo_gym.simulation.state import SimulationState
 
 SHIFT = 1e-12
 """How far the start of a twin is from that of its episode [m | rad]: some last bits of a position."""
@@ -28,21 +25,7 @@ TWINS = 10
 WIDENED = 1.0
 """The spread of the twins counts with this share of itself added on either side: they are few."""
 
-__all__ = ["SHIFT", "TWINS", "WIDENED", "TwinSet", "moved", "spread"]
-
-
-def moved(state: SimulationState, generators: Sequence[np.random.Generator], shift: float = SHIFT) -> SimulationState:
-    """The state with every motor and every link moved by `shift`, to one side or the other.
-
-    Args:
-        state: of a simulation.
-        generators: one per environment; they choose the sides, each for its own environment.
-        shift: in joint units.
-    """
-    plant = state.plant
-    sides = np.array([generator.choice([-1.0, 1.0], (2, plant.q.shape[1])) for generator in generators])
-    q, theta = plant.q + shift * sides[:, 0], plant.theta + shift * sides[:, 1]
-    return replace(state, plant=replace(plant, q=q, theta=theta))
+__all__ = ["SHIFT", "TWINS", "WIDENED", "TwinSet", "spread"]
 
 
 @dataclass(frozen=True)
@@ -57,14 +40,12 @@ class TwinSet(EpisodeSet):
     number: int = 1
     shift: float = SHIFT
 
-    def record(self, compensator: Compensator, name: str) -> Recording:
-        """Run `compensator` on these episodes."""
-        return record(compensator, name, self.env_id, self.variant, self.seeds, self.env_kwargs, self._move)
-
-    def _move(self, env: JointVectorEnv) -> None:
-        generators = [np.random.default_rng([self.number, seed]) for seed in self.seeds]
+    def start(self, env: JointVectorEnv) -> None:
+        """See EpisodeSet."""
+        super().start(env)
         simulation = env.simulation
-        simulation.set_state(moved(simulation.get_state(), generators, self.shift))
+        to = sides([np.random.default_rng([self.number, seed]) for seed in self.seeds], simulation.dof)
+        simulation.set_state(moved(simulation.get_state(), to, self.shift))
 
 
 @dataclass(frozen=True)

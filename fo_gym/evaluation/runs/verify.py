@@ -33,7 +33,7 @@ def verify(
         table: whole runs, as `sampled` gives them.
         contests: `contests_of` these.
         backend: who does the work.
-        on_run: called with a label after every run, `none` and `ideal` counted as one.
+        on_run: called with a label after every run, the references counted as one.
 
     Returns:
         One comparison per row of the table, in its order.

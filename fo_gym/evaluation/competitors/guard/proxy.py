@@ -98,6 +98,12 @@ class Guarded:
         words = told if isinstance(told, dict) else {}
         self.feedback: str = words.get("feedback", "")
         self.learned: bool = words.get("learned", False)
+        if words.get("privileged", False):
+            self.close()
+            raise ValueError(
+                f"compensator {spec!r} is privileged, but the truth stays in the suite's own process; hand its class "
+                "or an instance to fo_gym.evaluate, or leave privileged out"
+            )
         if missing:
             warnings.warn(f"this system guards against competitors without: {', '.join(missing)}", stacklevel=2)
         try:

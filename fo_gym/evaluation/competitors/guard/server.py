@@ -88,7 +88,8 @@ def serve(channel: Channel, memory: int) -> None:
         _, job = channel.receive()
         spec = job["spec"]
         compensator = compensators.make_compensator(spec, **job["gains"])
-        channel.send(DONE, {"feedback": compensator.feedback, "learned": compensators.has_learned(compensator)})
+        told = {"feedback": compensator.feedback, "learned": compensators.has_learned(compensator)}
+        channel.send(DONE, {**told, "privileged": compensators.is_privileged(compensator)})
         _Server(channel, memory, compensator).run()
     except EOFError:
         os._exit(0)
