@@ -416,7 +416,7 @@ def test_tables_fit_the_terminal(
 
 
 def test_a_wide_terminal_has_every_column(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    for width, left_out in ((140, False), (80, True)):
+    for width, left_out in ((150, False), (80, True)):
         monkeypatch.setattr(view, "console", Console(width=width))
         view.print_tables([WIDE])
         assert ("left out" in capsys.readouterr().out) == left_out

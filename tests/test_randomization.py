@@ -65,6 +65,9 @@ def test_start_target_and_push_fill_their_ranges(env_id, scenarios):
     task, home, spread = simulation.task, simulation.robot.home, simulation.task.randomization
     largest = np.max(spread.start)
     assert fill(np.array([scenario.q_start for scenario in drawn]) - home, -largest, largest)
+    if task.random_push is None:
+        assert all(scenario.push is None for scenario in drawn)
+        return
     assert fill(np.array([scenario.push.time for scenario in drawn]), *spread.push_time)
     peak = np.abs(task.random_push.torque).max()
     sizes = np.array([np.abs(scenario.push.torque).max() for scenario in drawn]) / peak

@@ -43,17 +43,21 @@ def print_tables(tables: Iterable[Ranking]) -> None:
             say(f"left out, for want of width: {', '.join(left_out)}")
 
 
-def _widths(ranking: Ranking) -> list[int]:
-    """What the columns need: headings break between words, long cells anywhere."""
+def _widths(ranking: Ranking, *, whole: bool = False) -> list[int]:
+    """What the columns need: headings break between words, unless they are to stay whole, long cells anywhere."""
     columns = zip(ranking.headings, *ranking.cells, strict=True)
     return [
-        max(*(len(word) for word in heading.split()), *(min(len(cell), _LONGEST) for cell in cells), 0)
+        max(
+            *(len(word) for word in ([heading] if whole else heading.split())),
+            *(min(len(cell), _LONGEST) for cell in cells),
+            0,
+        )
         for heading, *cells in columns
     ]
 
 
-def _fits(ranking: Ranking, width: int) -> bool:
-    return sum(_widths(ranking)) + 3 * len(ranking.headings) + 1 <= width
+def _fits(ranking: Ranking, width: int, *, whole: bool = False) -> bool:
+    return sum(_widths(ranking, whole=whole)) + 3 * len(ranking.headings) + 1 <= width
 
 
 def _columns(ranking: Ranking, places: list[int]) -> Ranking:
@@ -67,7 +71,7 @@ def _without_extras(ranking: Ranking, width: int) -> Ranking:
     """A ranking without as many of its less important columns as have to go."""
     if "rank" not in ranking.headings:
         return ranking
-    while not _fits(ranking, width):
+    while not _fits(ranking, width, whole=True):  # where headings break, names would as well
         extras = [place for place, heading in enumerate(ranking.headings) if heading not in _KEPT]
         if not extras:
             break

@@ -96,7 +96,7 @@ def _cells(row: pd.Series[Any], shown: list[tuple[str, str, float]]) -> list[str
         marked(row["compensator"], row["origin"]),
         _number(row["frr"], ".4f"),
         _number(1.0 - row["frr"], ".3g"),
-        _range(1.0 - row["frr_ci_high"], 1.0 - row["frr_ci_low"], ".3g"),
+        _range(1.0 - row["frr_ci_high"], 1.0 - row["frr_ci_low"], ".2g"),
         _range(row["rank_ci_low"], row["rank_ci_high"], ".0f"),
         "" if pd.isna(row["tied_group"]) else row["tied_group"],
         *scores,

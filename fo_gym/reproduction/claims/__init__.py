@@ -12,16 +12,20 @@ from fo_gym.reproduction.claims import lowpass
 from fo_gym.reproduction.claims import algebra
 from fo_gym.reproduction.claims import theorem2
 from fo_gym.reproduction.claims import passivity
+from fo_gym.reproduction.claims import model_based
 from fo_gym.reproduction.claims import regulation
 from fo_gym.reproduction.claims import square
 from fo_gym.reproduction.claims import tracking
+from fo_gym.reproduction.claims import interaction
 # isort: on
 
 __all__ = [
     "CLAIMS",
     "algebra",
     "arm_rest",
+    "interaction",
     "lowpass",
+    "model_based",
     "panels",
     "passivity",
     "regulation",
