@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.certificate.cases import ARM
 from fo_gym.compensators import Compensator
 from fo_gym.evaluation.competitors.team import Team, alike
 from fo_gym.parameters import LuGre
 from fo_gym.plant.rigid_body import RigidBody
-from fo_gym.robots import robot_of
 from fo_gym.signals import Signals
 from fo_gym.simulation.settings import Settings
 from fo_gym.simulation.simulation import Simulation
@@ -20,7 +20,6 @@ from fo_gym.tasks.task import TaskLike
 
 Array = NDArray[np.float64]
 
-ARM = robot_of("miro_like")
 assert isinstance(ARM.friction, LuGre)
 FRICTION: LuGre = ARM.friction
 _SAMPLE = 10
