@@ -27,10 +27,12 @@ train: $(VENV)/.rl  ## train the learned compensators as they are shipped, to bu
 	$(BIN)/fo-gym train --out build/train/rl-residual
 	$(BIN)/fo-gym train --direct --segments 12 --out build/train/rl-direct
 
-tune: $(VENV)/.tune  ## tune the classical observers as they are shipped, to build/tuning/ (long; goes on after a kill)
-	$(BIN)/fo-gym tune pid-high --name pid-tuned
-	$(BIN)/fo-gym tune pd-high --name pd-tuned
-	$(BIN)/fo-gym tune letien-high --name letien-tuned
+# Every classical row with free gains, published or ours; the same budget for each.
+TUNED := pid-high pd-high letien-high pid-measured pd-measured kimchung supertwisting l1 eso kaneko feedforward \
+	lugre-nominal lugre-adaptive
+
+tune: $(VENV)/.tune  ## tune all classical rows, to build/tuning/ (hours; goes on after a kill)
+	for row in $(TUNED); do $(BIN)/fo-gym tune $$row || exit 1; done
 
 bench: $(VENV)/.rl  ## measure the speed of the environments beside their peers, to build/bench (minutes; close other programs)
 	$(BIN)/fo-gym bench --out build/bench

@@ -21,7 +21,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from baselines.gains import check_gain
+from baselines.gains import check_gain, check_share
 from baselines.lugre1995 import checked_friction, model_of
 from fo_gym import JointInfo, LuGre, Signals
 
@@ -37,14 +37,22 @@ class FrictionFeedForward:
         friction: f_c, sigma_2 and v_s of the joints, the rest is not used; None takes what was identified for the robot
             (`JointInfo.identified`).
         rate: how fast the reference velocity closes the position error [1/s], above 0.
+        dry, viscous: shares of Coulomb and viscous friction that are cancelled, in (0, 1].
     """
 
     feedback = "measured"
-    search_space: ClassVar[dict[str, tuple[float, float]]] = {"rate": (1.0, 100.0)}
+    search_space: ClassVar[dict[str, tuple[float, float]]] = {
+        "rate": (1.0, 100.0),
+        "dry": (0.3, 1.0),
+        "viscous": (0.03, 1.0),
+    }
 
-    def __init__(self, friction: LuGre | None = None, rate: float = 10.0) -> None:
+    def __init__(
+        self, friction: LuGre | None = None, rate: float = 10.0, dry: float = 1.0, viscous: float = 1.0
+    ) -> None:
         self.friction = checked_friction(self, friction)
         self.rate = check_gain(self, "rate", rate)
+        self.dry, self.viscous = check_share(self, "dry", dry), check_share(self, "viscous", viscous)
 
     def reset(self, joints: JointInfo, num_envs: int) -> None:
         """Start new episodes. Raises ValueError where no friction model fits the robot."""
@@ -59,9 +67,11 @@ class FrictionFeedForward:
         self._theta_d = theta_d
         v_r = theta_d_dot + self.rate * (theta_d - signals.theta)
         p = self._model
-        return -(p.f_c * np.tanh(v_r / p.v_s) + p.sigma_2 * signals.theta_dot)
+        return -(self.dry * p.f_c * np.tanh(v_r / p.v_s) + self.viscous * p.sigma_2 * signals.theta_dot)
 
 
-def feedforward(friction: LuGre | None = None, rate: float = 10.0) -> FrictionFeedForward:
+def feedforward(
+    friction: LuGre | None = None, rate: float = 10.0, dry: float = 1.0, viscous: float = 1.0
+) -> FrictionFeedForward:
     """The feed-forward with the identified friction of the robot."""
-    return FrictionFeedForward(friction, rate)
+    return FrictionFeedForward(friction, rate, dry, viscous)

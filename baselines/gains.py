@@ -1,11 +1,11 @@
-"""The check that every observer gain passes."""
+"""The checks that observer gains pass."""
 
 from __future__ import annotations
 
 from fo_gym import JointInfo
 from fo_gym.checks import POSITIVE, number
 
-__all__ = ["check_bandwidth", "check_gain"]
+__all__ = ["check_bandwidth", "check_gain", "check_share"]
 
 
 def check_gain(owner: object, name: str, value: float) -> float:
@@ -13,7 +13,17 @@ def check_gain(owner: object, name: str, value: float) -> float:
     return number(f"{type(owner).__name__}: {name}", value, POSITIVE)
 
 
-def check_bandwidth(owner: object, bandwidth: float, joints: JointInfo) -> None:
+def check_share(owner: object, name: str, value: float) -> float:
+    """The gain as a float. Raises ValueError where it is not in (0, 1]: more than all would over-compensate."""
+    share = check_gain(owner, name, value)
+    if share > 1.0:
+        raise ValueError(
+            f"{type(owner).__name__}: {name} is {value}; above 1 it over-compensates, so it must be at most 1"
+        )
+    return share
+
+
+def check_bandwidth(owner: object, bandwidth: float, joints: JointInfo, name: str = "L") -> None:
     """An observer that samples at control_dt needs L control_dt well below 1; from 1 on it rings or diverges.
 
     Raises:
@@ -21,6 +31,6 @@ def check_bandwidth(owner: object, bandwidth: float, joints: JointInfo) -> None:
     """
     if bandwidth * joints.control_dt >= 1.0:
         raise ValueError(
-            f"{type(owner).__name__}: L = {bandwidth} 1/s is too fast for an estimate every {joints.control_dt} s; "
-            f"keep L below {1.0 / joints.control_dt:.6g} 1/s, or sample faster"
+            f"{type(owner).__name__}: {name} = {bandwidth} 1/s is too fast for an estimate every "
+            f"{joints.control_dt} s; keep {name} below {1.0 / joints.control_dt:.6g} 1/s, or sample faster"
         )

@@ -11,7 +11,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from baselines.gains import check_bandwidth, check_gain
+from baselines.gains import check_bandwidth, check_gain, check_share
 from fo_gym import JointInfo, Signals
 
 Array = NDArray[np.float64]
@@ -34,9 +34,7 @@ class LeTienObserver:
 
     def __init__(self, L: float, gain: float = 1.0) -> None:
         self.L = check_gain(self, "L", L)
-        self.gain = check_gain(self, "gain", gain)
-        if self.gain > 1.0:
-            raise ValueError(f"LeTienObserver: gain is {gain}; above 1 it over-compensates, so it must be at most 1")
+        self.gain = check_share(self, "gain", gain)
 
     def reset(self, joints: JointInfo, num_envs: int) -> None:
         """Start new episodes. Raises ValueError where L is too fast for the sampling."""

@@ -19,6 +19,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from baselines.gains import check_share
 from fo_gym import JointInfo, LuGre, Signals
 from fo_gym.checks import NOT_NEGATIVE, POSITIVE, number, real_array, shown
 
@@ -81,15 +82,29 @@ class LuGreObserver:
     Args:
         friction: parameters of the model; None takes those that were identified for the robot (`JointInfo.identified`).
         k: gain of the position error [1/s], at least 0.
+        dry, viscous: shares of the model's dry and viscous friction that are cancelled, in (0, 1]. Published is all of
+            it; less leaves damping where the model may be too strong.
         factors: on sigma_0, sigma_1, sigma_2, f_c, f_s, v_s, to see what wrong ones do.
     """
 
     feedback = "measured"
-    search_space: ClassVar[dict[str, tuple[float, float]]] = {"k": (1e-6, 1e-2)}
+    search_space: ClassVar[dict[str, tuple[float, float]]] = {
+        "k": (1e-6, 1e-2),
+        "dry": (0.3, 1.0),
+        "viscous": (0.03, 1.0),
+    }
 
-    def __init__(self, friction: LuGre | None = None, k: float = 1e-3, factors: ArrayLike = (1.0,) * 6) -> None:
+    def __init__(
+        self,
+        friction: LuGre | None = None,
+        k: float = 1e-3,
+        factors: ArrayLike = (1.0,) * 6,
+        dry: float = 1.0,
+        viscous: float = 1.0,
+    ) -> None:
         self.friction = checked_friction(self, friction)
         self.k = number("LuGreObserver: k", k, NOT_NEGATIVE)
+        self.dry, self.viscous = check_share(self, "dry", dry), check_share(self, "viscous", viscous)
         self.factors = real_array("LuGreObserver: factors", factors, (6,), POSITIVE)
 
     def reset(self, joints: JointInfo, num_envs: int) -> None:
@@ -106,7 +121,7 @@ class LuGreObserver:
         z = (self._z + self._dt * drive) / (1.0 + self._dt * p.sigma_0 * np.abs(v) / g)
         z_dot = (z - self._z) / self._dt
         self._z = z
-        return -(p.sigma_0 * z + p.sigma_1 * z_dot + p.sigma_2 * v)
+        return -(self.dry * (p.sigma_0 * z + p.sigma_1 * z_dot) + self.viscous * p.sigma_2 * v)
 
 
 class LuGreIdentified(LuGreObserver):
@@ -124,11 +139,13 @@ class LuGreIdentified(LuGreObserver):
         super().__init__(k=k)
 
 
-def lugre_nominal(friction: LuGre | None = None, k: float = 1e-3) -> LuGreObserver:
+def lugre_nominal(
+    friction: LuGre | None = None, k: float = 1e-3, dry: float = 1.0, viscous: float = 1.0
+) -> LuGreObserver:
     """The observer with the identified parameters: on the shipped robots exact in "nominal"."""
-    return LuGreObserver(friction, k)
+    return LuGreObserver(friction, k, dry=dry, viscous=viscous)
 
 
-def lugre_off(friction: LuGre | None = None, k: float = 1e-3) -> LuGreObserver:
+def lugre_off(friction: LuGre | None = None, k: float = 1e-3, dry: float = 1.0, viscous: float = 1.0) -> LuGreObserver:
     """The observer with parameters that are 20 to 30 % off those (`MISMATCH`)."""
-    return LuGreObserver(friction, k, MISMATCH)
+    return LuGreObserver(friction, k, MISMATCH, dry, viscous)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -165,6 +166,13 @@ def chaotic() -> str:
     return markdown(Ranking("", ["environment", "variant", "episodes", *(f"chaotic, {name}" for name in sets)], cells))
 
 
+def arm(name: str) -> str:
+    """A table of docs/arm/, as it was measured."""
+    table = _csv(f"docs/arm/{name}.csv")
+    cells = [[_cell(value) for value in row] for row in table.itertuples(index=False)]
+    return markdown(Ranking("", list(table), cells))
+
+
 PAGES: dict[str, dict[str, Callable[[], str]]] = {
     "README.md": {
         "leaderboard": leaderboard,
@@ -173,6 +181,7 @@ PAGES: dict[str, dict[str, Callable[[], str]]] = {
         "claims": claims,
         "fidelity": fidelity,
     },
+    "docs/arm.md": {name: partial(arm, name) for name in ("verdicts", "randomized", "sensitivity")},
     "docs/processors.md": {"tolerances": tolerances, "chaotic": chaotic},
     "docs/learning.md": {"learned": learned, "outside": outside, "ticks": ticks, "training": training},
 }

@@ -10,7 +10,7 @@ from types import ModuleType
 
 _PREFIX = "fo_gym_file_"
 
-__all__ = ["import_file", "is_of_file", "module_name"]
+__all__ = ["file_module", "import_file", "is_of_file", "module_name"]
 
 
 def module_name(path: Path) -> str:
@@ -21,6 +21,11 @@ def module_name(path: Path) -> str:
 def is_of_file(name: str) -> bool:
     """Whether a module has such a name: no other process can import it by that."""
     return name.startswith(_PREFIX)
+
+
+def file_module(path: Path) -> ModuleType:
+    """The module of a file: as it has been imported, or imported now. Raises as `import_file` does."""
+    return sys.modules.get(module_name(path)) or import_file(path)
 
 
 def import_file(path: Path) -> ModuleType:

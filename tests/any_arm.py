@@ -19,6 +19,7 @@ from fo_gym.evaluation.runs.run import run_contests
 from fo_gym.specs import BUILT_IN, list_compensators
 
 TASKS = ("FJRRegulation-v0", "FJRSquare-v0")
+INTERACTION = "FJRInteraction-v0"
 CLASSICAL = tuple(name for name in list_compensators() if name not in BUILT_IN and not name.startswith("rl-"))
 
 

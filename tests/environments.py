@@ -13,6 +13,8 @@ import fo_gym
 
 IDS = tuple(fo_gym.ENVIRONMENTS)
 SQUARE_ID = "FJRSquare-v0"
+TOOL_IDS = (SQUARE_ID, "FJRInteraction-v0")
+"""Where the tool is what follows the reference."""
 # Deliberate: actions are torques in physical units, observations are in physical units and unbounded, all in float64.
 GYMNASIUM_TOLERATED = {
     "For Box action spaces, we recommend using a symmetric and normalized space (range=[-1, 1] or [0, 1]). "

@@ -12,10 +12,10 @@ from fo_gym.evaluation.episode.record import Episode, Motion, Push
 DT = 1e-3
 TIME = np.arange(20_001) * DT
 PERIODS = TIME[:-1]
-OVER_TICKS = ("theta_dot", "q", "q_dot", "theta_n", "theta_n_dot", "theta_d", "tau_held")
+OVER_TICKS = ("theta_dot", "q", "q_dot", "theta_n", "theta_n_dot", "theta_d")
 OVER_PERIODS = ("tau_f_hat", "tau_f", "tau_dist", "tau_m", "tau_ext")
 JOINT_SIGNALS = (*OVER_TICKS, *OVER_PERIODS)
-ABSENT = dict.fromkeys(("tool_d", "step_time", "limit_cycle_window", "motion_window", "push", "hand"))
+ABSENT = dict.fromkeys(("tool_d", "step_time", "limit_cycle_window", "motion_window", "push", "hand", "damped"))
 FIXED = {"torque_limit": np.full(2, 10.0), "joint_unit": "rad", "termination": "", "stored": math.nan}
 
 
@@ -25,23 +25,23 @@ def over(length: int, size: int, value: Any) -> np.ndarray:
     return np.broadcast_to(value[:, None] if value.shape == (length,) else value, (length, size))
 
 
-def motion(theta: Any, tool: Any, f_hand: Any = None) -> Motion:
-    tool = None if tool is None else over(len(TIME), 3, tool)
-    return Motion(over(len(TIME), 2, theta), tool, None if f_hand is None else over(len(PERIODS), 3, f_hand))
+def motion(theta: Any, tool: Any, f_hand: Any = None, lost: Any = None) -> Motion:
+    return Motion(over(len(TIME), 2, theta), None if tool is None else over(len(TIME), 3, tool), f_hand, lost)
 
 
 def episode(*, theta: Any = 0.0, ideal: Any = 0.0, none: Any = 0.0, tool: Any = None, **changes: Any) -> Episode:
     """20 s of two joints at rest of which only the given parts differ; the tools of the references are at 0.
 
-    `pulls` are the forces of the hand: on the arm, on the ideal one, and on the one without compensation.
+    `pulls` are the forces of the hand, `losses` what friction takes: of the arm, the ideal one, and that without
+    compensation.
     """
     fields: dict[str, Any] = {**ABSENT, **FIXED, **dict.fromkeys(JOINT_SIGNALS, 0.0), **changes}
     fields |= {name: over(len(TIME), 2, fields[name]) for name in OVER_TICKS}
     fields |= {name: over(len(PERIODS), 2, fields[name]) for name in OVER_PERIODS}
     tools = [None if tool is None else fields.pop(name, 0.0) for name in ("tool_ideal", "tool_none")]
-    pulls = fields.pop("pulls", (None, None, None))
-    references = {"ideal": motion(ideal, tools[0], pulls[1]), "none": motion(none, tools[1], pulls[2])}
-    return Episode(DT, motion=motion(theta, tool, pulls[0]), **references, **fields)
+    guided = [*zip(*(fields.pop(name, (None, None, None)) for name in ("pulls", "losses")), strict=True)]
+    references = {"ideal": motion(ideal, tools[0], *guided[1]), "none": motion(none, tools[1], *guided[2])}
+    return Episode(DT, motion=motion(theta, tool, *guided[0]), **references, **fields)
 
 
 def columns(*joints: Any) -> np.ndarray:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import gymnasium as gym
 import pytest
-from any_arm import CLASSICAL, TASKS, check_interface, scores
+from any_arm import CLASSICAL, INTERACTION, TASKS, check_interface, scores
 
 import fo_gym
 from fo_gym.envs.registry import ENVIRONMENTS
@@ -29,7 +29,7 @@ def file_of(arm: str) -> Path:
 
 
 @every_arm
-@every_task
+@pytest.mark.parametrize("env_id", [*TASKS, INTERACTION])
 def test_its_environments_are_gymnasiums(arm: str, env_id: str) -> None:
     check_interface(file_of(arm), env_id)
 
@@ -38,6 +38,15 @@ def test_its_environments_are_gymnasiums(arm: str, env_id: str) -> None:
 @every_task
 def test_what_is_designed_for_it_lets_the_observer_work(arm: str, env_id: str) -> None:
     assert scores(file_of(arm), env_id, ["pid-high"])["frr"]["pid-high"] > 0.8
+
+
+@pytest.mark.slow
+@every_arm
+def test_a_hand_that_guides_it_feels_little_of_its_friction(arm: str) -> None:
+    row = scores(file_of(arm), INTERACTION, ["pd-high"]).loc["pd-high"]
+    assert row["status"] == "ok"
+    assert row["hand_friction_work_ratio"] < 0.2
+    assert row["hand_passivity_violation_ratio"] == 0.0
 
 
 @pytest.mark.slow

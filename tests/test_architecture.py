@@ -24,9 +24,17 @@ TREES = {module: ast.parse(path.read_text(encoding="utf-8")) for module, path in
 # Data flows one way: a part imports from its own and from those before it. Parts on one line are equals that do not
 # know each other.
 FLOW = (
-    ("envs_assets", "fo_gym.checks", "fo_gym.extras", "fo_gym.instructions", "fo_gym.text", "fo_gym.toml"),
+    (
+        "envs_assets",
+        "fo_gym.checks",
+        "fo_gym.extras",
+        "fo_gym.instructions",
+        "fo_gym.modules",
+        "fo_gym.text",
+        "fo_gym.toml",
+    ),
     ("fo_gym.friction",),
-    ("fo_gym.generators", "fo_gym.micro_steps", "fo_gym.modules", "fo_gym.parameters"),
+    ("fo_gym.generators", "fo_gym.micro_steps", "fo_gym.parameters"),
     ("fo_gym.signals", "fo_gym.specs"),
     ("fo_gym.hardware",),
     ("fo_gym.robots",),

@@ -13,6 +13,7 @@ import pytest
 import fo_gym
 from fo_gym.certificate.statement import Finding, at_least, at_most, near
 from fo_gym.certificate.subject import Subject
+from fo_gym.compensators import NoCompensation
 from fo_gym.reproduction.claims import CLAIMS
 
 COARSE = Subject(control_dt=1e-3, quick=True)
@@ -98,10 +99,48 @@ def test_half_an_estimate_turns_the_size_at_rest() -> None:
 
 
 @slow
+def test_nobody_who_does_nothing_is_hardly_felt() -> None:
+    idle = Subject(control_dt=1e-3, make=lambda _: NoCompensation(), quick=True)
+    for name in ("interaction-work", "interaction-force", "interaction-return"):
+        assert CLAIMS[name].measure(idle).number == pytest.approx(1.0)
+        assert not CLAIMS[name].measure(idle).holds
+
+
+@slow
+def test_who_takes_the_hand_for_friction_is_not_passive() -> None:
+    """Without a torque sensor the observer cancels the hand's force, too: it works against the hand."""
+    blind = Subject(control_dt=1e-3, make=lambda _: fo_gym.make_compensator("kaneko"), quick=True)
+    assert not CLAIMS["interaction-passive"].measure(blind).holds
+    assert not CLAIMS["interaction-work"].measure(blind).holds
+
+
+@slow
 def test_a_coarse_step_turns_the_low_pass() -> None:
     """At 1 kHz an observer of 100 rad/s is no longer the continuous low-pass within 2 %."""
     assert not CLAIMS["lowpass-letien-magnitude"].measure(COARSE).holds
     assert not CLAIMS["lowpass-letien-phase"].measure(COARSE).holds
+
+
+def other_model(name: str) -> fo_gym.Compensator:
+    """The LuGre observer with the other one's parameters: right where they should be wrong, and the reverse."""
+    others = {"lugre-nominal": "lugre-off", "lugre-off": "lugre-nominal"}
+    return fo_gym.make_compensator(others.get(name, name))
+
+
+@slow
+def test_the_claims_on_the_lugre_observer_turn_with_its_parameters() -> None:
+    names = ["lugre-best", "lugre-off-worst"]
+    assert [CLAIMS[name].measure(COARSE).holds for name in names] == [True, True]
+    exchanged = Subject(control_dt=1e-3, make=other_model, quick=True)
+    assert [CLAIMS[name].measure(exchanged).holds for name in names] == [False, False]
+
+
+def test_a_model_is_complex_and_a_model_free_observer_is_not() -> None:
+    """Six numbers; the count falls where somebody needs fewer, or where one of the six needs some."""
+    assert CLAIMS["lugre-complex"].measure(COARSE).number == 6.0
+    for name, stand_in in (("lugre-nominal", "feedforward"), ("pd-low", "feedforward")):
+        told = Subject(make=lambda each, a=name, b=stand_in: fo_gym.make_compensator(b if each == a else each))
+        assert CLAIMS["lugre-complex"].measure(told).number == 3.0
 
 
 def test_intervals() -> None:

@@ -103,8 +103,8 @@ def test_measured_arms_lie_within_the_rules() -> None:
     ours = {
         "B": (joints.motor_inertia, [1.2, 1.2, 1.2, 1.2, 0.6, 0.6, 0.6]),
         "K_j": (joints.stiffness, [6000.0, 6000.0, 5000.0, 5000.0, 3000.0, 3000.0, 3000.0]),
-        "f_c": (friction.f_c, [4.0, 4.0, 4.0, 4.0, 3.0, 3.0, 3.0]),
-        "sigma_2": (friction.sigma_2, np.full(7, 5.0)),
+        "f_c": (friction.f_c, miro().friction.f_c),
+        "sigma_2": (friction.sigma_2, miro().friction.sigma_2),
     }
     offenders = {name: found / np.array(known) for name, (found, known) in ours.items()}
     assert {name: ratio for name, ratio in offenders.items() if ratio.max() > 3.0 or ratio.min() < 1 / 3.0} == {}

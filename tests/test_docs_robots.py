@@ -17,7 +17,7 @@ import fo_gym
 from fo_gym.control import design as gains
 from fo_gym.envs.registry import ENVIRONMENTS
 from fo_gym.robots import design, home
-from fo_gym.tasks import joint_fit, square_fit
+from fo_gym.tasks import hand_fit, joint_fit, square_fit
 from fo_gym.tasks.square import square
 
 ROOT = Path(__file__).parents[1]
@@ -136,6 +136,11 @@ def test_the_rules_are_those_of_the_code() -> None:
         "`FJRTracking-v0`": [
             f"{joint_fit.AMPLITUDE:g} rad",
             "{:g} to {:g} Hz".format(*joint_fit.FREQUENCIES),
+        ],
+        "`FJRInteraction-v0`": [
+            f"a stroke's length in {hand_fit.STROKE_TIME:g} s",
+            f"at most {hand_fit.STIFFNESS:g} N/m, {hand_fit.FORCE_SHARE:g} of any torque limit",
+            f"{hand_fit.TOOL_RATE:g} rad/s with the links alone",
         ],
     }
     missing = [(row, text) for row, texts in rules.items() for text in texts if text not in lines[row]]

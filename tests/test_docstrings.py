@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import fo_gym
+from fo_gym.envs.interaction import InteractionEnv
 from fo_gym.envs.tracking import TrackingEnv
 from fo_gym.tasks.reference import Reference
 
@@ -116,3 +117,21 @@ def test_the_swing_of_tracking_is_the_one_that_is_told() -> None:
     start, hardware = task.randomization.push_time, task.push_time.start
     assert f"{push.duration:g} s, of {low:g} to {high:g} N m either way at joint 2" in doc
     assert "at {:g} to {:g} s (hardware: {:g} to {:g} s)".format(*start, *hardware) in doc
+
+
+def test_the_hand_of_interaction_is_the_one_that_is_told() -> None:
+    simulation: Any = gym.make("FJRInteraction-v0").unwrapped.simulation  # type: ignore[attr-defined]
+    task, doc = simulation.task, " ".join((InteractionEnv.__doc__ or "").split())
+    hand, gains, spread = task.hand, task.gains, task.randomization
+    assert f"K_p = {gains.kp_position:.0f} N/m and K_d = {gains.kd_position:.0f} N s/m" in doc
+    assert f"{hand.stiffness:.0f} N/m and {hand.damping:.0f} N s/m" in doc
+    assert f"where that is at {hand.grip:g} s; its point goes {100 * hand.stroke:.0f} cm sideways" in doc
+    assert abs(hand.direction[2]) < 1e-9
+    np.testing.assert_allclose(hand.across, [0.0, 0.0, -1.0])
+    assert f"each stroke in {hand.stroke_time:.0f} s, half of it at {hand.speed:.1f} m/s" in doc
+    assert hand.stroke_time - 2.0 * hand.turn == pytest.approx(0.5 * hand.stroke_time)
+    assert f"rests for {hand.rest:g} s and lets go at {hand.let_go:.1f} s, within {hand.release:g} s" in doc
+    assert "of {:g} to {:g} times the length".format(*spread.hand_stroke) in doc
+    assert "{:g} to {:g} times as fast".format(*spread.hand_speed) in doc
+    assert "{:g} to {:g} times as stiff".format(*spread.hand_stiffness) in doc
+    assert f"truncated after {task.duration:g} s" in doc

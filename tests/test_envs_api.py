@@ -10,7 +10,7 @@ from dataclasses import fields, replace
 import gymnasium as gym
 import numpy as np
 import pytest
-from environments import GYMNASIUM_TOLERATED, SQUARE_ID, drive, every_env, make, told_by
+from environments import GYMNASIUM_TOLERATED, TOOL_IDS, drive, every_env, make, told_by
 from gymnasium.utils.env_checker import check_env
 from stable_baselines3.common.env_checker import check_env as check_sb3_env
 
@@ -47,7 +47,7 @@ def test_signals_are_views_in_the_documented_order(env_id):
             assert np.shares_memory(getattr(signals, name), obs)
         np.testing.assert_array_equal(signals.time, obs[..., 8 * dof : 8 * dof + 1])
         np.testing.assert_array_equal(signals.reference, obs[..., 8 * dof + 1 :])
-        assert signals.reference.shape[-1] == (3 if env_id == SQUARE_ID else 0)
+        assert signals.reference.shape[-1] == (3 if env_id in TOOL_IDS else 0)
         assert signals.available == set(ORDER)
     with pytest.raises(ValueError, match=f"{8 * dof} values.*at least {8 * dof + 1}"):
         fo_gym.Signals.from_observation(batch[..., : 8 * dof], dof)
@@ -126,13 +126,13 @@ def test_reward_is_what_the_docstring_says(env_id):
     """closeness * (1 - 0.1 roughness), under a held action that lets tau_c alone change tau_m, from tau_j on."""
     env = make(env_id, variant="randomized")
     obs, info = env.reset(seed=0)
-    accuracy = {"FJRStiction-v0": 1e-3, SQUARE_ID: 2e-3}.get(env_id, 5e-3)
+    accuracy = {"FJRStiction-v0": 1e-3, **dict.fromkeys(TOOL_IDS, 2e-3)}.get(env_id, 5e-3)
     previous = obs[2 * env.simulation.dof : 3 * env.simulation.dof]
     for _ in range(5):
         obs, reward, _, _, info = env.step(0.1 * env.action_space.high)
         signals = fo_gym.Signals.from_observation(obs, env.simulation.dof)
         distance = np.sqrt(np.mean((signals.theta - signals.theta_d) ** 2))
-        if env_id == SQUARE_ID:
+        if env_id in TOOL_IDS:
             (tool,) = env.simulation.plant.body.tool_position(info["q"][None])
             distance = np.linalg.norm(tool - signals.reference)
         roughness = np.mean(np.abs(info["tau_m"] - previous) / env.action_space.high)
@@ -234,7 +234,7 @@ def test_docstring_tables_match_the_spaces(env_id):
     assert starts == np.cumsum([0, *counts[:-1]]).tolist()
     assert sum(counts) == env.observation_space.shape[0]
     assert [row[1].split(",")[0] for row in rows] == [*ORDER, "time since the start", "reference"][: len(rows)]
-    assert len(rows) == (10 if env_id == SQUARE_ID else 9)
+    assert len(rows) == (10 if env_id in TOOL_IDS else 9)
     assert {tuple(row[2:4]) for row in rows} == {("-Inf", "Inf")}
 
 

@@ -81,7 +81,11 @@ def test_other_seed_other_episode(env_id):
         obs, _ = env.reset(seed=seed)
         (episode,) = env.simulation.scenarios
         parts = {**vars(episode.friction), **vars(episode.joints), "start": episode.q_start, "mass": episode.mass_scale}
-        parts |= {"push torque": episode.push.torque, "push time": episode.push.time, "observation": obs}
+        if episode.push is not None:
+            parts |= {"push torque": episode.push.torque, "push time": episode.push.time}
+        if episode.hand is not None:
+            parts |= {name: getattr(episode.hand, name) for name in ("stroke", "speed", "stiffness", "direction")}
+        parts["observation"] = obs
         if env.simulation.limits.takes_target:
             parts["target"] = episode.target
         drawn.append(parts)
@@ -91,12 +95,16 @@ def test_other_seed_other_episode(env_id):
 
 @every_env
 def test_without_friction_the_episode_is_the_same_otherwise(env_id):
-    """What the score compares: the same joints, masses, start, target and push, with and without friction."""
+    """What the score compares: the same joints, masses, start, target, push and hand, with and without friction."""
     one, other = single(env_id), single(env_id, friction=fo_gym.FRICTIONLESS)
     one.reset(seed=5)
     other.reset(seed=5)
     (mine,), (theirs,) = one.simulation.scenarios, other.simulation.scenarios
-    for part in (lambda episode: vars(episode.joints), lambda episode: vars(episode.push), vars):
+    for part in (
+        lambda episode: vars(episode.joints),
+        lambda episode: vars(episode.push) if episode.push else {},
+        vars,
+    ):
         rest = [{k: v for k, v in part(e).items() if k not in ("friction", "joints", "push")} for e in (mine, theirs)]
         assert same(*rest)
     assert (theirs.friction.sigma_0 == 0.0).all()

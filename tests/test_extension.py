@@ -148,7 +148,7 @@ def test_compensator(outside: Outside) -> None:
 def test_learned_compensator(outside: Outside) -> None:
     learned = outside.episodes.groupby("compensator")["learned"].agg(set).to_dict()
     assert learned == {
-        name: {name == "mine.py:Mine"} for name in ("none", "ideal", "pid-high", "theirs", "mine.py:Mine")
+        name: {name == "mine.py:Mine"} for name in ("none", "ideal", "bound", "pid-high", "theirs", "mine.py:Mine")
     }
 
 
@@ -185,7 +185,7 @@ def test_environment(outside: Outside) -> None:
         r"^environment  Theirs-v0 \(link, own\): on single_link, from theirs\.environment$", outside.output, re.M
     )
     assert re.search(r"^environment  Own-v0 \(arm, own\): on miro_like, from \S+own\.py$", outside.output, re.M)
-    assert len(outside.rows(env="Own-v0")) == len(outside.rows(env="Theirs-v0")) == 5
+    assert len(outside.rows(env="Own-v0")) == len(outside.rows(env="Theirs-v0")) == 6
     before, changed = outside.keys["before"], outside.keys["own.py"]
     assert outside.keys["after"] == before
     assert [old != new for old, new in zip(before, changed, strict=True)] == [True, False]
@@ -239,7 +239,7 @@ def test_random_draw() -> None:
 @case("a protocol")
 def test_protocol(outside: Outside) -> None:
     assert outside.episodes["protocol"].str.startswith("mine@").all()
-    assert len(outside.episodes) == 2 * 5
+    assert len(outside.episodes) == 2 * 6
 
 
 @case("a command of `fo-gym`")

@@ -189,3 +189,23 @@ def test_stick_slip_pulls_with_its_spring() -> None:
     np.testing.assert_allclose(trace.force + 2.0 * trace.position, 0.2 * trace.time, atol=1e-12)
     stuck = (trace.time > 1.0) & (trace.time < 6.0)
     np.testing.assert_allclose(trace.friction[stuck], trace.force[stuck], rtol=1e-3)
+
+
+# --- The other friction laws ------------------------------------------------------------------------------------------
+
+LAWS_QUICKLY = [id for id, each in CHECKS.items() if id.startswith("law-") and not id.endswith(("-solver", "-order"))]
+
+
+@pytest.mark.parametrize("id", LAWS_QUICKLY)
+def test_laws_do_what_they_are_known_for(id: str) -> None:
+    assert CHECKS[id].measure(QUICK).holds
+
+
+@pytest.mark.parametrize("name", ["dahl", "elasto-plastic", pytest.param("maxwell-slip", marks=slow)])
+def test_laws_follow_the_solver(name: str) -> None:
+    assert CHECKS[f"law-{name}-solver"].measure(QUICK).holds
+
+
+@slow
+def test_laws_are_of_second_order() -> None:
+    assert CHECKS["law-order"].measure(QUICK).holds

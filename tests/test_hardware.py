@@ -143,9 +143,11 @@ class TestJoint:
         start = np.array([10.0, 20.0])
         episodes = begin(warm, drawn={"start": start}, tau_j=[3.0, -5.0])
         episodes.time = np.array([[1.0]])
-        dry, added, viscous = load.friction(episodes).then(warm.friction(episodes))
+        loaded = load.friction(begin(load, tau_j=[3.0, -5.0]))
+        dry, added, viscous, stiction = loaded.then(warm.friction(episodes))
         temperature = start + 4.0 * (1 - np.exp(-0.5))
         np.testing.assert_allclose(added[0], [0.3, 0.5])
+        np.testing.assert_array_equal(stiction, 0.0)
         np.testing.assert_allclose(dry[0], np.exp(-0.01 * temperature))
         np.testing.assert_allclose(viscous[0], np.exp(-0.03 * temperature))
 

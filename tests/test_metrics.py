@@ -40,12 +40,9 @@ def busy_episode(rng: np.random.Generator) -> Episode:
     tool, tool_d, tool_none = rng.normal(size=(3, len(TIME), 3))
     windows = {"step_time": 1.0, "motion_window": (0.0, 12.0), "push": PUSH, **WINDOW}
     tools = {"tool": tool, "tool_d": tool_d, "tool_none": tool_none}
-    tools |= {
-        "tool_ideal": rng.normal(size=(len(TIME), 3)),
-        "hand": HAND,
-        "pulls": rng.normal(size=(3, len(PERIODS), 3)),
-    }
-    return episode(theta=theta, ideal=ideal, none=none, **tools, **windows, **fields)
+    tools |= {"tool_ideal": rng.normal(size=(len(TIME), 3)), "pulls": rng.normal(size=(3, len(PERIODS), 3))}
+    works = {"losses": rng.normal(size=(3, len(PERIODS))), "damped": rng.normal(size=len(PERIODS)), "hand": HAND}
+    return episode(theta=theta, ideal=ideal, none=none, **tools, **works, **windows, **fields)
 
 
 def mapped(source: Episode, joints: Any) -> Episode:

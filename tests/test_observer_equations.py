@@ -7,19 +7,24 @@ import pytest
 from observers import DT, IDENTIFIED, answers, joints, on_a_motor, random_observations
 from scipy import integrate, optimize, signal
 
+from baselines.eso import ExtendedStateObserver, eso
 from baselines.feedforward import feedforward
 from baselines.garofalo2019 import SuperTwistingObserver
 from baselines.kaneko import kaneko
 from baselines.kim2019 import pd_measured, pid_measured
 from baselines.kimchung2015 import KimChungObserver, kimchung
 from baselines.l1_observer import l1
+from baselines.letien2008 import letien_high
 from baselines.lugre1995 import lugre_nominal
+from baselines.lugre_adaptive import BOUNDS, AdaptiveLuGreObserver, lugre_adaptive
+from fo_gym import Signals
 
 TRANSFER = {
     "kimchung": (kimchung, [3 * 100**2, 100**3], np.poly([-100, -100, -100])),
     "pid": (pid_measured, [100, 2000, 10_000], [1, 100, 2000, 10_000]),
     "pd": (pd_measured, [100, 2000], [1, 100, 2000]),
     "kaneko": (kaneko, [100], [1, 100]),
+    "eso": (eso, [300**3], np.poly([-300, -300, -300])),
     "l1": (l1, np.polymul([1e4, 1e6], [150]), np.polymul([1, 1e4, 1e6], [1, 150])),
 }
 
@@ -145,3 +150,98 @@ def test_feedforward_is_its_formula():
     v_r = np.diff(theta_d, axis=0, prepend=theta_d[:1]) / DT + 10.0 * (theta_d - theta)
     expected = -p.f_c * np.tanh(v_r / p.v_s) - p.sigma_2 * theta_dot
     np.testing.assert_allclose(answers(feedforward(), observations, joints()), expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("bandwidth", [30.0, 300.0, 5000.0])
+def test_eso_has_its_three_poles_where_the_bandwidth_says(bandwidth):
+    """exp(-w dt), from the characteristic polynomial of its answer to a jump of theta, at any w dt."""
+    observations = np.zeros((12, 1, 9))
+    observations[1:, 0, 0] = 1.0
+    answer = answers(ExtendedStateObserver(bandwidth), observations, joints(1))[1:, 0, 0]
+    b = np.exp(-bandwidth * DT)
+    # One over the poles, times the second difference of the jump, times the last gain: nothing else comes out.
+    expected = signal.lfilter(1.3 * (1 - b) ** 3 / DT**2 * np.array([1.0, -2.0, 1.0]), np.poly([b, b, b]), np.ones(11))
+    np.testing.assert_allclose(answer, expected, rtol=1e-7, atol=1e-9 * np.abs(expected).max())
+
+
+def test_eso_is_le_tien_behind_two_low_passes():
+    """w^3 / (s + w)^3 = L / (s + L) w^2 / (s + w)^2 for L = w: the price of not measuring the velocity."""
+    dt, time = 1e-4, np.arange(10_000) * 1e-4
+    friction, tau_j, tau_c = (np.sin(w * time) + 0.3 for w in (9.0, 31.0, 17.0))
+    le_tien = on_a_motor(letien_high(), friction, tau_j, tau_c, dt)
+    _, expected, _ = signal.lsim(([1e4], [1.0, 200.0, 1e4]), le_tien, time)
+    estimates = on_a_motor(eso(100.0), friction, tau_j, tau_c, dt)
+    assert np.abs(estimates - expected).max() < 0.01 * np.abs(expected).max()
+
+
+def phi_along(theta, p, dt):
+    """Dry and viscous friction at level 1 along theta (ticks,), as means over the periods, (2, ticks - 1)."""
+    z, phi = 0.0, np.empty((2, len(theta) - 1))
+    for k, moved in enumerate(np.diff(theta)):
+        g = p.f_c + (p.f_s - p.f_c) * np.exp(-((moved / dt / p.v_s) ** 2))
+        before, z = z, (z + moved) / (1.0 + p.sigma_0 * abs(moved) / g)
+        phi[:, k] = p.sigma_0 * z + p.sigma_1 * (z - before) / dt, p.sigma_2 * moved / dt
+    return phi
+
+
+def learned(theta, true, offset=0.0, rate=20.0):
+    """Levels (ticks, 2) and phi, along theta with friction of these levels and an offset that no model knows."""
+    p, dt, b = IDENTIFIED[1], DT, 1.3
+    phi = phi_along(theta, p, dt)
+    velocity = np.diff(theta, prepend=theta[0]) / dt
+    tau_f = -np.asarray(true) @ phi - offset
+    observer = lugre_adaptive(rate=rate)
+    observer.reset(joints(1), 1)
+    levels = np.empty((len(theta), 2))
+    for k in range(len(theta)):
+        row = np.zeros((1, 9))
+        row[0, [0, 1]] = theta[k], velocity[k]
+        row[0, 7] = b * (velocity[k] - velocity[k - 1]) / dt - tau_f[k - 1] if k else 0.0
+        observer.estimate(Signals.from_observation(row, 1))
+        levels[k] = observer.level[:, 0, 0]
+    return levels, phi
+
+
+def test_what_lugre_adaptive_learns_comes_nearer_to_the_truth_all_the_time():
+    """Its Lyapunov function, over random motions: it never grows, and both levels are found."""
+    time, rng = np.arange(30_000) * DT, np.random.default_rng(4)
+    theta = sum(rng.uniform(1.0, 2.0) / w * np.sin(w * time + rng.uniform(0, 6)) for w in (1.3, 2.9, 4.1))
+    true = np.array([1.4, 0.6])
+    levels, _ = learned(theta, true)
+    distance = np.square(levels - true).sum(axis=1)
+    assert np.diff(distance).max() < 1e-12
+    assert distance[-1] < 1e-4 * distance[0]
+
+
+def test_lugre_adaptive_learns_nothing_at_standstill_and_stays_within_its_bounds():
+    """Neither from an offset, which an integral would follow without end, nor from creep; a slide ends at the bound."""
+    creep = 1e-3 * IDENTIFIED[1].v_s * np.arange(5000) * DT
+    for still in (np.zeros(5000), creep):
+        assert not learned(still, (1.0, 1.0), offset=5.0)[0].any()
+    slide = 0.1 * np.arange(5000) * DT
+    for friction, bound in ((9.0, BOUNDS[1]), (-9.0, BOUNDS[0])):
+        assert learned(slide, (friction, friction))[0][-1, 0] == bound
+
+
+def test_lugre_adaptive_begins_as_the_pd_type_observer():
+    """Before it has learned; its feedback stays that, with the levels in front of it."""
+    observations = random_observations(1, 3, 7)
+    np.testing.assert_allclose(
+        answers(lugre_adaptive(), observations, joints()), answers(pd_measured(), observations, joints()), rtol=1e-12
+    )
+    still = np.repeat(observations, 5, axis=0)
+    still[..., 7:14] = 0.0
+    observer = AdaptiveLuGreObserver(100.0, 20.0, 20.0, 0.8)
+    without = answers(pd_measured(), still, joints())
+    np.testing.assert_allclose(answers(observer, still, joints()), without, rtol=1e-12)
+
+
+@pytest.mark.parametrize("make", [feedforward, lugre_nominal])
+def test_a_share_of_a_model_is_that_share_of_its_dry_or_of_its_viscous_friction(make):
+    observations, p = 1e-3 * random_observations(20, 2), IDENTIFIED[7]
+    whole, less_dry, less_viscous = (
+        answers(make(**gains), observations, joints()) for gains in ({}, {"dry": 0.5}, {"viscous": 0.25})
+    )
+    viscous = -p.sigma_2 * observations[..., 7:14]
+    np.testing.assert_allclose(whole - less_viscous, 0.75 * viscous, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(less_dry, viscous + 0.5 * (whole - viscous), rtol=1e-9, atol=1e-9)

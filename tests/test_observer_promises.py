@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import gymnasium as gym
 import numpy as np
 import pytest
@@ -9,14 +11,17 @@ from observers import DT, IDENTIFIED, answers, joints, on_a_motor
 from scipy import signal
 
 import fo_gym
+from baselines.eso import eso
 from baselines.feedforward import feedforward
 from baselines.garofalo2019 import supertwisting
 from baselines.kaneko import kaneko
-from baselines.kim2019 import pd_high, pd_measured, pid_high, pid_measured
+from baselines.kim2019 import pd_high, pd_low, pd_measured, pid_high, pid_measured
 from baselines.kimchung2015 import kimchung
 from baselines.l1_observer import l1
 from baselines.letien2008 import letien_high
 from baselines.lugre1995 import lugre_nominal, lugre_off
+from baselines.lugre_adaptive import lugre_adaptive
+from fo_gym.evaluation.episode.recorder import record
 from fo_gym.evaluation.runs.episodes import EpisodeSet
 
 
@@ -124,7 +129,7 @@ def test_with_the_torque_sensor_kaneko_is_le_tien():
     np.testing.assert_allclose(without_spring, on_a_motor(letien_high(), friction, tau_j, tau_c), atol=1e-10)
 
 
-@pytest.mark.parametrize("make", [kaneko, supertwisting, l1])
+@pytest.mark.parametrize("make", [kaneko, supertwisting, l1, eso])
 def test_a_clipped_estimate_does_not_wind_up(make):
     """Friction beyond the torque limit is still estimated as it is, and the next value is found as fast as ever."""
     friction = np.repeat([3.0, 0.5], 2000)
@@ -142,3 +147,51 @@ def test_feedforward_is_the_friction_of_a_slide_and_pushes_towards_the_target_at
     rows[:] = 0.0
     rows[:, 0, 5] = 0.01  # at rest, before the target: tau_m rises by f_c
     assert answers(feedforward(), rows, joints(1))[0, 0, 0] == pytest.approx(-1.0)
+
+
+def strange_arm(observer, seconds):
+    """The swinging arm with dry friction 1.4 times the identified one, viscous friction 0.6 times."""
+    p = IDENTIFIED[7]
+    factors = {"sigma_0": 1.4, "sigma_1": 1.4, "f_c": 1.4, "f_s": 1.4, "sigma_2": 0.6}
+    friction = replace(p, **{name: factor * getattr(p, name) for name, factor in factors.items()})
+    arguments = {"duration": seconds, "friction": friction, "physics_dt": "auto"}
+    return record(observer, "it", "FJRTracking-v0", "nominal", (0,), arguments)
+
+
+@pytest.mark.slow
+def test_lugre_adaptive_finds_the_friction_of_an_arm_that_is_not_as_identified():
+    """Dry friction of every joint to 15 %, in four seconds, from 0; what viscous friction does is learned later."""
+    observer = lugre_adaptive()
+    strange_arm(observer, 4.0)
+    np.testing.assert_allclose(observer.level[0, 0], 1.4, rtol=0.15)
+
+
+@pytest.mark.parametrize("make", [lugre_adaptive, eso])
+@pytest.mark.parametrize("variant", ["randomized", "hardware"])
+def test_slow_sampling_loses_no_joint(make, variant):
+    """An estimate every 5 ms: further from the target, as for everybody, and not unstable."""
+    recording = record(make(), "it", "FJRStiction-v0", variant, (0, 1), {"duration": 3.0, "decimation": 5})
+    assert list(recording.terminations) == ["", ""]
+    assert np.abs(recording.ticks["theta"] - recording.ticks["theta_d"]).max() < 0.03
+
+
+@pytest.mark.slow
+def test_lugre_adaptive_rests_nearer_to_the_target_than_its_feedback_alone():
+    errors = []
+    for make in (pd_low, lambda: lugre_adaptive(L=50.0, Lp=10.0)):
+        _, theta = theta_at_the_end(make)
+        assert np.ptp(theta) < 1e-6
+        errors.append(abs(theta[-1] - 0.01))
+    assert errors[1] < 0.5 * errors[0]
+
+
+@pytest.mark.slow
+def test_a_model_that_is_too_strong_drives_the_arm_away_and_a_share_of_it_does_not():
+    """Negative damping: viscous friction is over-compensated by more than the controller damps."""
+    p = IDENTIFIED[7]
+    weak = {"friction": replace(p, sigma_2=0.5 * p.sigma_2), "duration": 8.0, "physics_dt": "auto"}
+    ends = [
+        record(lugre_nominal(viscous=share), "it", "FJRRegulation-v0", "nominal", (0,), weak).terminations[0]
+        for share in (1.0, 0.5)
+    ]
+    assert ends == ["joint_limit", ""]

@@ -12,6 +12,7 @@ from observers import DT, IDENTIFIED, answers, joints, on_a_motor, random_observ
 
 import baselines
 import fo_gym
+from baselines.eso import eso
 from baselines.feedforward import feedforward
 from baselines.garofalo2019 import supertwisting
 from baselines.kaneko import kaneko
@@ -20,15 +21,18 @@ from baselines.kimchung2015 import kimchung
 from baselines.l1_observer import l1
 from baselines.letien2008 import letien_high, letien_low
 from baselines.lugre1995 import MISMATCH, lugre_nominal, lugre_off
+from baselines.lugre_adaptive import lugre_adaptive
 from fo_gym.parameters import LuGre
 
 NEW = (
     kimchung,
     lugre_nominal,
     lugre_off,
+    lugre_adaptive,
     kaneko,
     supertwisting,
     l1,
+    eso,
     pid_measured,
     pd_measured,
     feedforward,
@@ -42,7 +46,10 @@ GAINS = [
     (l1, ("G", "Gp", "K")),
     (pid_measured, ("L", "Lp", "Li")),
     (pd_measured, ("L", "Lp")),
-    (feedforward, ("rate",)),
+    (feedforward, ("rate", "dry", "viscous")),
+    (lugre_nominal, ("dry", "viscous")),
+    (lugre_adaptive, ("L", "Lp", "rate", "share")),
+    (eso, ("bandwidth",)),
 ]
 
 
@@ -93,10 +100,29 @@ def test_what_k_of_lugre_must_satisfy(bad):
     assert lugre_nominal(k=0.0).k == 0.0
 
 
-@pytest.mark.parametrize("make", [kimchung, kaneko, pid_measured, pd_measured])
+@pytest.mark.parametrize(
+    ("make", "gain"),
+    [
+        *((make, name) for make in (feedforward, lugre_nominal) for name in ("dry", "viscous")),
+        (lugre_adaptive, "share"),
+    ],
+)
+def test_nobody_cancels_more_than_all_of_a_model(make, gain):
+    with pytest.raises(
+        ValueError, match=rf"\w+: {gain} is 1\.01; above 1 it over-compensates, so it must be at most 1"
+    ):
+        make(**{gain: 1.01})
+
+
+@pytest.mark.parametrize("make", [kimchung, kaneko, pid_measured, pd_measured, lugre_adaptive])
 def test_bandwidth_beyond_the_sampling_is_refused(make):
     with pytest.raises(ValueError, match=r"L = 100.0 1/s is too fast .* keep L below 100 1/s"):
         make().reset(joints(1, control_dt=0.01), 1)
+
+
+def test_a_rate_of_learning_beyond_the_sampling_is_refused():
+    with pytest.raises(ValueError, match=r"rate = 20.0 1/s is too fast .* keep rate below 16.6667 1/s"):
+        lugre_adaptive(L=10.0).reset(joints(1, control_dt=0.06), 1)
 
 
 def test_position_weight_of_l1_beyond_the_sampling_is_refused():
@@ -154,7 +180,7 @@ def test_mismatch_is_what_its_docstring_says():
     assert np.all((np.abs(MISMATCH - 1.0) >= 0.2) & (np.abs(MISMATCH - 1.0) <= 0.3))
 
 
-@pytest.mark.parametrize("make", [lugre_nominal, lugre_off, feedforward])
+@pytest.mark.parametrize("make", [lugre_nominal, lugre_off, lugre_adaptive, feedforward])
 def test_an_unknown_robot_asks_for_its_parameters(make):
     with pytest.raises(ValueError, match=r"no identified friction for this robot of 3 joint\(s\); give its parameters"):
         make().reset(joints(3), 1)

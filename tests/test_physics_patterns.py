@@ -28,7 +28,7 @@ def stiction():
 
 @pytest.fixture(scope="module")
 def regulation():
-    return runs_of(REGULATION_ID, "pd-low", "letien-low", "letien-high")
+    return run_team({"pd-low": fo_gym.make_compensator("pd-low")}, REGULATION_ID, duration=20.0)
 
 
 @pytest.fixture(scope="module")
@@ -90,7 +90,8 @@ def test_letien_hunts(stiction, name, size):
     assert travel(stiction[name], 15.0, 20.0) == pytest.approx(size, rel=0.06)
 
 
-# The arm. Its friction is the suite's own, so that what is asked of it is the pattern, not the paper's numbers.
+# The arm. Its friction is the suite's own, searched for so that it does what the paper's arm does (docs/arm.md). What
+# hunts is chaotic: that it moves is asked for, and not by how much.
 
 HOLDS = pytest.mark.parametrize("window", [(12.0, 13.0), (19.0, 20.0)], ids=["before-push", "after-push"])
 JOINT_2 = 1
@@ -103,20 +104,27 @@ def test_pd_rests(regulation, window):
 
 
 @pytest.mark.slow
-@HOLDS
-@pytest.mark.parametrize("name", ["letien-low", "letien-high"])
-def test_letien_does_not_come_to_rest(regulation, window, name):
-    assert travel(regulation[name], *window, joint=JOINT_2) > 1e-3
+def test_where_pd_rests_is_chance(regulation):
+    """Off the target by some milliradians (docs/arm.md), and on the other side after the push."""
+    run = regulation["pd-low"]
+    before, after = (run.tick("theta", JOINT_2) - run.tick("theta_d", JOINT_2))[[13_000, 20_000]]
+    assert before == pytest.approx(2.43e-3, rel=0.1)
+    assert after == pytest.approx(-1.65e-3, rel=0.1)
 
 
 @pytest.mark.slow
-def test_where_pd_rests_is_chance(regulation):
-    """Off the target by the order of a milliradian, and by another amount after the push."""
-    run = regulation["pd-low"]
-    before, after = (run.tick("theta", JOINT_2) - run.tick("theta_d", JOINT_2))[[13_000, 20_000]]
-    for error in (before, after):
-        assert 2e-4 < abs(error) < 1e-2
-    assert abs(after - before) > 3e-4
+@pytest.mark.parametrize("physics_dt", [2e-4, 1e-4, 5e-5])
+def test_who_hunts_does_not_hang_on_the_micro_step(physics_dt):
+    """Peak to peak of joint 2, held until the joint without friction has come to rest to 0.01 mrad."""
+    members = {name: fo_gym.make_compensator(name) for name in PAPER}
+    runs = run_team(members, REGULATION_ID, duration=50.0, physics_dt=physics_dt)
+    moves = {name: travel(run, 40.0, 50.0, joint=JOINT_2) for name, run in runs.items()}
+    assert min(moves[name] for name in ("pid-low", "letien-low", "letien-high")) > 1e-3
+    assert max(moves[name] for name in ("pd-low", "pd-high")) < 1e-5
+    assert moves["pid-high"] < 1e-4
+    before = {name: travel(run, 8.0, 13.0, joint=JOINT_2) for name, run in runs.items()}
+    assert before["pid-low"] == pytest.approx(6.9e-3, rel=0.1)
+    assert min(before["letien-low"], before["letien-high"]) > 2e-2
 
 
 @pytest.mark.slow

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from environments import every_env, make
 
+from fo_gym.micro_steps import DEFAULT_PHYSICS_DT
 from fo_gym.tasks.draw import draw_scenario
 from fo_gym.tasks.randomization import Randomization
 from fo_gym.tasks.step import Step
@@ -64,6 +65,9 @@ def test_start_target_and_push_fill_their_ranges(env_id, scenarios):
     task, home, spread = simulation.task, simulation.robot.home, simulation.task.randomization
     largest = np.max(spread.start)
     assert fill(np.array([scenario.q_start for scenario in drawn]) - home, -largest, largest)
+    if task.random_push is None:
+        assert all(scenario.push is None for scenario in drawn)
+        return
     assert fill(np.array([scenario.push.time for scenario in drawn]), *spread.push_time)
     peak = np.abs(task.random_push.torque).max()
     sizes = np.array([np.abs(scenario.push.torque).max() for scenario in drawn]) / peak
@@ -93,6 +97,18 @@ def test_other_ranges_are_drawn_from(env_id):
     assert scenario.mass_scale == pytest.approx(0.9)
     assert (usual.friction.f_c < 2.0 * nominal).all()
     np.testing.assert_array_equal(scenario.joints.stiffness, usual.joints.stiffness)
+
+
+@every_env
+def test_the_default_micro_step_follows_whatever_is_drawn(env_id):
+    """Also the hardest bristles on the lightest motors, which one episode in some hundreds comes close to."""
+    simulation = make(env_id).simulation
+    robot, task, only = simulation.robot, simulation.task, np.zeros(1, dtype=np.intp)
+    ends = replace(task, randomization=task.randomization.fastest)
+    drawn = draw_scenario(robot, ends, "randomized", np.random.default_rng(0))
+    plant = make(env_id).simulation.plant
+    plant.configure(only, joints=drawn.joints, friction=drawn.friction, mass_scale=drawn.mass_scale)
+    assert plant.advise(only, robot.home[None]).physics_dt.min() > DEFAULT_PHYSICS_DT
 
 
 @pytest.mark.parametrize(

@@ -16,11 +16,12 @@ import pytest
 from gymnasium.utils.passive_env_checker import env_render_passive_checker
 from gymnasium.wrappers import RenderCollection
 
-import fo_gym  # noqa: F401
+import fo_gym
 from fo_gym.envs.rendering import SceneRenderer
 from fo_gym.robots import LinkSide, robot_of
 from fo_gym.simulation.settings import Settings
 from fo_gym.simulation.simulation import Simulation
+from fo_gym.tasks.interaction import interaction
 from fo_gym.tasks.stiction import stiction
 
 IDS = ("FJRStiction-v0", "FJRRegulation-v0", "FJRSquare-v0")
@@ -214,3 +215,22 @@ def test_robot_without_camera_sites_and_mocap(tmp_path):
     assert image.shape == (480, 640, 3)
     assert image.std() > 10.0
     renderer.close()
+
+
+def test_a_hand_is_seen_while_it_holds_on(make):
+    """Skin-coloured, at its own point; gone before it grips, and after it has let go."""
+
+    def soon(robot):
+        hand = fo_gym.Hand(grip=0.01, strokes=1, turn=0.05, rest=0.0, release=0.01, stroke=0.1, speed=0.5)
+        return replace(interaction(robot), hand=hand)
+
+    def count_skin(image):
+        red, green, blue = image.astype(int).transpose(2, 0, 1)
+        return int(((red - green > 25) & (green - blue > 15)).sum())
+
+    env = make("FJRInteraction-v0", task=soon)
+    counts = [count_skin(env.render())]
+    for steps in (100, 300):
+        hold(env, steps)
+        counts.append(count_skin(env.render()))
+    assert counts[1] > 100 + max(counts[0], counts[2])

@@ -123,7 +123,7 @@ def test_everything_belongs_to_a_part() -> None:
     assert size(PARTS) == sum(size((part,)) for part in PARTS)
     assert size(("claims",)) == len(TABLES["claims"]) >= 20
     assert size(("fidelity",)) == len(TABLES["fidelity"]) >= 15
-    assert size(("figures",)) == 6
+    assert size(("figures",)) == 7
 
 
 def test_command(small: dict[str, Statement], tmp_path: Path) -> None:

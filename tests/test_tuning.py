@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import shlex
 import shutil
 from pathlib import Path
@@ -12,16 +13,19 @@ import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
+import baselines
 from fo_gym import make_compensator
 from fo_gym.cli import app
-from fo_gym.evaluation.competitors.entry import load_entry
+from fo_gym.evaluation.competitors.entry import load_entry, shipped_entries
 from fo_gym.evaluation.runs.episodes import EpisodeSet
+from fo_gym.evaluation.runs.protocol import load_protocol
 from fo_gym.evaluation.runs.seeds import LEADERBOARD_SEEDS, TRAINING_SEEDS, TUNING_SEEDS, VALIDATION_SEEDS
 from fo_gym.tuning import study as study_module
 from fo_gym.tuning.run import tune
 from fo_gym.tuning.space import default_gains, search_space
 from fo_gym.tuning.study import Case, run_study
 
+MAKEFILE = (Path(__file__).parents[1] / "Makefile").read_text(encoding="utf-8")
 STICTION, SQUARE = "FJRStiction-v0", "FJRSquare-v0"
 CASE = Case("pid-high", STICTION, "randomized", trials=12, episodes=2, seed=0)
 BEST = {"L": 200.0, "Lp": 40.0, "Li": 300.0}
@@ -112,6 +116,33 @@ class TestSearch:
 
 def astuple(case):
     return (case.spec, case.env_id, case.variant, case.trials, case.episodes, case.seed)
+
+
+class TestEverybody:
+    """Makefile's TUNED: who has the same budget."""
+
+    ROWS = re.search(r"^TUNED := ((?:.*\\\n)*.*)", MAKEFILE, re.MULTILINE).group(1).replace("\\", " ").split()
+
+    def test_every_classical_family_with_free_gains_is_tuned(self):
+        tuned = tuple(type(make_compensator(row)) for row in self.ROWS)
+        families = [getattr(baselines, name) for name in baselines.__all__]
+        free = [family for family in families if getattr(family, "search_space", None)]
+        assert [family.__name__ for family in free if not issubclass(family, tuned)] == []
+        assert len(set(tuned)) == len(self.ROWS)
+
+    def test_what_was_tuned_is_run(self):
+        assert set(shipped_entries()) <= set(load_protocol("full").compensators)
+
+    @pytest.mark.parametrize("row", ROWS)
+    def test_its_gains_are_taken_from_the_search(self, row, synthetic, tmp_path):
+        """Three trials: the row's own gains first, then others that it accepts, all of them."""
+        synthetic["quality"] = lambda gains: float(gains != default_gains(row))
+        outcome = run_study(Case(row, STICTION, "randomized", 3, 1, 0), tmp_path)
+        assert synthetic["gains"][0] == pytest.approx(default_gains(row))
+        assert set(outcome.gains) == set(search_space(row))
+        for name, value in outcome.gains.items():
+            assert getattr(make_compensator(row, **outcome.gains), name) == value
+            assert value != default_gains(row)[name]
 
 
 class TestRuns:

@@ -15,10 +15,12 @@ from fo_gym.cli.work import (
     STORE,
     Fresh,
     Jobs,
+    LawOption,
     RobotOption,
     StoreFolder,
     Traced,
     fail_if_failed,
+    laws_of,
     note,
     robots_of,
     run_behind_bar,
@@ -47,6 +49,7 @@ def run_evaluate(
     ],
     env: Annotated[str, typer.Option(help="Environment id; see `fo-gym list`.")] = "FJRStiction-v0",
     robot: RobotOption = None,
+    law: LawOption = None,
     variant: Annotated[str, typer.Option(help="nominal, randomized or hardware.")] = "nominal",
     seeds: Annotated[
         int | None, typer.Option(min=1, help="Episodes, from the validation seeds; by default 20, of nominal 1.")
@@ -87,6 +90,8 @@ def run_evaluate(
 
         fo-gym evaluate pid-high --env FJRRegulation-v0 --robot arm.urdf
 
+        fo-gym evaluate pid-low --law MaxwellSlip
+
         fo-gym evaluate leaderboard/submissions/theirs.toml
     """
     from fo_gym.evaluation.runs.protocol import Protocol
@@ -102,7 +107,8 @@ def run_evaluate(
         given, others = _competitors(compensators, gains_of(gains or ()), name, baselines)
         names = tuple(competitor.name for competitor in (*given, *others))
         count = usual_count([variant]) if seeds is None else seeds
-        protocol = Protocol("evaluate", "validation", count, (env,), (variant,), names, robots_of(robot))
+        robots, laws = robots_of(robot), laws_of(law)
+        protocol = Protocol("evaluate", "validation", count, (env,), (variant,), names, robots, laws)
     except (ValueError, OSError) as error:
         raise Stop(str(error)) from error
     if out is not None:

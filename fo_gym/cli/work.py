@@ -42,6 +42,13 @@ Traced = Annotated[
 StoreFolder = Annotated[
     Path, typer.Option(file_okay=False, help="Folder in which finished runs are kept, and looked for.")
 ]
+LawOption = Annotated[
+    str | None,
+    typer.Option(
+        "--law",
+        help="Friction law, like the robot's own friction: LuGre, ElastoPlastic, MaxwellSlip, Dahl, file.py:Class.",
+    ),
+]
 RobotOption = Annotated[
     str | None,
     typer.Option(
@@ -59,6 +66,7 @@ __all__ = [
     "Address",
     "Fresh",
     "Jobs",
+    "LawOption",
     "RobotOption",
     "StoreFolder",
     "Submissions",
@@ -66,6 +74,7 @@ __all__ = [
     "Workers",
     "check_workers",
     "fail_if_failed",
+    "laws_of",
     "note",
     "robots_of",
     "run_behind_bar",
@@ -122,6 +131,11 @@ def robots_of(robot: str | None) -> dict[str, str]:
     from fo_gym.robots import robot_of
 
     return {} if robot is None else {robot_of(robot).name: robot}
+
+
+def laws_of(law: str | None) -> tuple[str, ...]:
+    """The laws of a protocol that runs under the one that --law names."""
+    return () if law is None else (law,)
 
 
 def store_in(folder: Path, *, fresh: bool) -> Store:

@@ -6,9 +6,11 @@ from fo_gym.friction.elasto_plastic import ElastoPlastic
 from fo_gym.friction.law import FrictionLaw, Levels
 from fo_gym.friction.lugre import FRICTIONLESS, LuGre
 from fo_gym.friction.maxwell_slip import MaxwellSlip
+from fo_gym.friction.named import LAWS, law_class, law_name
 
 __all__ = [
     "FRICTIONLESS",
+    "LAWS",
     "BristleLaw",
     "Dahl",
     "ElastoPlastic",
@@ -16,4 +18,6 @@ __all__ = [
     "Levels",
     "LuGre",
     "MaxwellSlip",
+    "law_class",
+    "law_name",
 ]

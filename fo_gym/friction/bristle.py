@@ -53,11 +53,20 @@ def _step(v: float, z: Array, h: float, p: Any, memory: Array) -> float:
 
 
 def _responding(rate: Any) -> Any:
-    """`FrictionLaw.respond` for a bristle's rate, a function of v, z and p: the rate at the middle of the step."""
+    """`FrictionLaw.respond` for a bristle's rate, a function of v, z and p: the rate at the middle of the step.
+
+    Where that would carry the bristle beyond the point at which it slips as fast as it is pulled, as it may in a step
+    that bends it by all that it bends, it is the rate there.
+    """
 
     def respond(v: float, z: Array, h: float, p: Any, memory: Array) -> tuple[float, float]:
-        w_z, w_v = bristle_mean(rate(v, z[0], p), h)
-        memory[0] = rate(v, w_z * z[0] + w_v * v, p)
+        first = rate(v, z[0], p)
+        w_z, w_v = bristle_mean(first, h)
+        a = rate(v, w_z * z[0] + w_v * v, p)
+        w_z, w_v = bristle_mean(a, h)
+        end = z[0] + h * (v - a * (w_z * z[0] + w_v * v))
+        last = rate(v, end, p)
+        memory[0] = last if (v - last * end) * (v - first * z[0]) < 0.0 else a
         return bristle_response(memory[0], z[0], h, p)
 
     return respond

@@ -6,14 +6,18 @@ the hardware's effects, the "randomized" variant and the certificate know laws t
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
+from operator import attrgetter
+from pathlib import Path
 from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.checks import Value
+from fo_gym.modules import file_module, is_of_file
 
 Array = NDArray[np.float64]
 
@@ -76,8 +80,15 @@ class FrictionLaw:
 
     @property
     def states(self) -> int:
-        """Number of internal states of a joint; all are 0 at the start."""
+        """Number of internal states of a joint, all 0 at the start; a class may just have a number."""
         return 1
+
+    def __reduce__(self) -> Any:
+        """Pickled with the file of its class where that is a user's, which no other process can import by name."""
+        kind = type(self)
+        if not is_of_file(kind.__module__):
+            return super().__reduce__()
+        return _restored, (str(sys.modules[kind.__module__].__file__), kind.__qualname__, dict(vars(self)))
 
     @staticmethod
     def respond(v: float, z: Array, h: float, p: Any, memory: Array) -> tuple[float, float]:
@@ -126,6 +137,11 @@ class FrictionLaw:
     def steady(self, v: Value) -> Array:
         """Friction torque tau_f at constant velocity v [m/s | rad/s], in N | N m; it opposes v."""
         raise NotImplementedError("a friction law has a curve `steady`")
+
+    @classmethod
+    def like(cls, lugre: Any) -> FrictionLaw:
+        """The law that is as near as it can be to a `LuGre`: where laws are compared, by name, they are made so."""
+        raise NotImplementedError(f"{cls.__name__} has no `like`, which makes it from a LuGre; give an instance")
 
     @classmethod
     def rates(cls, values: Any, inertia: Array) -> dict[str, Array]:
@@ -201,3 +217,10 @@ class FrictionLaw:
         for name in self.dtype.names or ():
             array[name] = getattr(self, name)
         return array
+
+
+def _restored(file: str, name: str, values: dict[str, Any]) -> FrictionLaw:
+    """The law of a class of a user's file, which is imported where it has not been."""
+    law = object.__new__(attrgetter(name)(file_module(Path(file))))
+    law.__dict__.update(values)
+    return law

@@ -95,6 +95,11 @@ class LuGre(BristleLaw):
         """Friction torque tau_f at constant velocity v [m/s | rad/s], in N | N m; it opposes v."""
         return steady_curve(self, v)
 
+    @classmethod
+    def like(cls, lugre: LuGre) -> LuGre:
+        """The same."""
+        return lugre
+
     def passivity_margin(self) -> Array:
         """sigma_2 - sigma_1 (f_s - f_c) / f_c: above 0, a sufficient condition for the passivity of v -> -tau_f."""
         f_c, f_s = np.broadcast_arrays(np.asarray(self.f_c, dtype=np.float64), self.f_s)

@@ -58,19 +58,28 @@ class Truth(NamedTuple):
 class FrictionChange(NamedTuple):
     """What becomes of an episode's friction; arrays (n, dof), or one number for all joints.
 
+    It acts on the levels that the friction law has (`fo_gym.friction.Levels`).
+
     Attributes:
-        dry: factor on f_c and f_s, at least 0.
+        dry: factor on Coulomb friction and stiction (LuGre: f_c and f_s), at least 0.
         added: what is then added to both [N | N m], at least 0.
-        viscous: factor on sigma_2, at least 0.
+        viscous: factor on viscous friction (sigma_2), at least 0.
+        stiction: what is added to stiction alone [N | N m], at least 0.
     """
 
     dry: Array | float = 1.0
     added: Array | float = 0.0
     viscous: Array | float = 1.0
+    stiction: Array | float = 0.0
 
     def then(self, other: FrictionChange) -> FrictionChange:
         """Both changes together."""
-        return FrictionChange(self.dry * other.dry, self.added + other.added, self.viscous * other.viscous)
+        return FrictionChange(
+            self.dry * other.dry,
+            self.added + other.added,
+            self.viscous * other.viscous,
+            self.stiction + other.stiction,
+        )
 
 
 @dataclass(eq=False)

@@ -30,7 +30,7 @@ HOLDS, FAILS, NOT_MEASURED = "holds", "fails", "not measured"
 # What shares simulations is run in one process: the long runs of the simulation, and those of the arm.
 _SHARED = {
     "panels": ("panels", "rest", "stiction", "simulation", "motivating"),
-    "arm": ("experiments", "regulation", "square"),
+    "arm": ("arm_rest", "regulation", "square"),
 }
 
 _Result = Finding | list[Path] | str

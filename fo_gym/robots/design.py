@@ -5,7 +5,7 @@ those of arms that were measured:
 
 | arm | B [kg m^2] | K_j / B [1/s^2] | limit / B [rad/s^2] | f_c / B [rad/s^2] | f_c / limit | sigma_2 / B [1/s] |
 |---|---|---|---|---|---|---|
-| MIRO-like | 0.6-1.2 | 4200-5000 | 67-125 | 3.3-5 | 0.03-0.08 | 4-8 |
+| MIRO-like (friction: ours) | 0.6-1.2 | 4200-5000 | 67-125 | 4.5-6.7 | 0.04-0.1 | 3-5 |
 | Kinova Gen3 (empriselab) | 0.18-0.3 | 13000-19000 | 72-130 | | | |
 | Rhoban BAM, eRob80:100 and :50 | 0.33-0.96 | | | 6-10 | | 4-9 |
 | TREE "Orange", 80:1 | 0.3 | 20000 | | 9-20 | | 7 |
@@ -63,7 +63,7 @@ FRICTION_MOST = 0.25
 """Share of the torque limit from which on a file's frictionloss leaves too little to move with."""
 
 STICTION = 1.5
-"""f_s / f_c: MIRO-like 1.5; up to 2 was measured on a loaded joint (axol)."""
+"""f_s / f_c: the paper's single link (arXiv:1907.00553); MIRO-like 2.15, and about 2 on a loaded joint (axol)."""
 
 DEFLECTION = 1e-4
 """f_c / sigma_0, how far a bristle yields before it slips [rad], at least: MIRO-like."""
@@ -72,7 +72,7 @@ BRISTLE_MODE = 300.0
 """sqrt(sigma_0 / B) at most [rad/s]: the default micro-step of 0.2 ms follows it, with what "randomized" draws."""
 
 STRIBECK = 0.01
-"""v_s [rad/s]: MIRO-like."""
+"""v_s [rad/s]: between MIRO-like, 0.002, and the KAIST study, 0.06."""
 
 VISCOUS = 5.0
 """sigma_2 / B [1/s]."""

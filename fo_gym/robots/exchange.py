@@ -10,6 +10,7 @@ from typing import Any
 import tomlkit
 
 from fo_gym.checks import shown, text
+from fo_gym.friction import law_class, law_name
 from fo_gym.hardware import Hardware
 from fo_gym.parameters import FlexibleJoint, ImpedanceGains, LuGre, PDGains
 from fo_gym.robots.file import existing_file
@@ -27,6 +28,10 @@ _PARTS: dict[str, type] = {
 """Tables of the file that are parameters; of the first two any part may be missing, and is designed then."""
 
 _PARTIAL = ("flexible", "friction")
+
+_USUAL = LuGre.__name__
+"""The law of friction that is not named."""
+
 _KEYS = ("name", "file", "package", "joints", "tool", "camera", "home", "redundant", "units", "frozen", *_PARTS)
 
 NO_TOOL = ""
@@ -52,7 +57,8 @@ def robot_text(fields: dict[str, Any], folder: Path) -> str:
     content["frozen"] = dict(side.frozen)
     for name in _PARTS:
         if fields[name] is not None:
-            content[name] = table_of(name, fields[name], units, sources)
+            law = law_name(type(fields[name])) if name == "friction" else _USUAL
+            content[name] = ({} if law == _USUAL else {"law": law}) | table_of(name, fields[name], units, sources)
     document = tomlkit.document()
     document.add(tomlkit.comment("A robot of fo-gym: its file, and its numbers with their units and sources."))
     document.update(content)
@@ -64,7 +70,8 @@ def read_robot(path: Path) -> dict[str, Any]:
 
     Returns:
         "name"; "file" as a path; "joints", "tool", "camera", "home", "redundant", "frozen" or None each; "known": the
-        numbers of `flexible` and `friction` that there are, by name; the other parts as objects, or None; "sources".
+        numbers of `flexible` and of LuGre's that there are, by name; "friction", of another law, as an object, as its
+        class where there are no numbers of it, or None; the other parts as objects, or None; "sources".
 
     Raises:
         FileNotFoundError: the robot's file is not there, or not the package that has it.
@@ -90,8 +97,9 @@ def _read(data: dict[str, Any], path: Path) -> dict[str, Any]:
             raise ValueError(f"frozen is {shown(frozen)}; give a table of joints and positions")
         frozen = tuple((name, float(value)) for name, value in frozen.items())
     known: dict[str, Any] = {}
+    friction, rubs = _law(data, units)
     for part in _PARTIAL:
-        table = data.get(part, {})
+        table = rubs if part == "friction" else data.get(part, {})
         allowed = [name for name, _ in _fields(_PARTS[part])]
         if not isinstance(table, dict) or not set(table) <= set(allowed):
             raise ValueError(f"{part} is {shown(table)}; it has {', '.join(allowed)}")
@@ -107,9 +115,23 @@ def _read(data: dict[str, Any], path: Path) -> dict[str, Any]:
         **said,
         "frozen": frozen,
         "known": known,
+        "friction": friction,
         **others,
         "sources": dict(_sources("", {name: data[name] for name in _PARTS if name in data})),
     }
+
+
+def _law(data: dict[str, Any], units: tuple[str, ...]) -> tuple[Any, Any]:
+    """Friction of another law than LuGre, its class, or None; and the table of LuGre's numbers that are known."""
+    table = data.get("friction", {})
+    if not isinstance(table, dict):
+        return None, table
+    numbers = {name: value for name, value in table.items() if name != "law"}
+    if table.get("law", _USUAL) == _USUAL:
+        return None, numbers
+    kind = law_class(table["law"])
+    friction = read_parts(kind, "friction", numbers, units) if numbers else kind
+    return friction, {name: numbers[name] for name, _ in _fields(LuGre) if name in numbers}
 
 
 def _fields(kind: type) -> list[tuple[str, Any]]:

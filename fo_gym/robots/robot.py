@@ -146,7 +146,7 @@ class Robot:
         tool: str | None = None,
         home: str | Array | None = None,
         flexible: FlexibleJoint | None = None,
-        friction: LuGre | None = None,
+        friction: FrictionLaw | None = None,
         hardware: Hardware | None = None,
         redundant: tuple[str, ...] | None = None,
     ) -> Robot:
@@ -171,12 +171,14 @@ class Robot:
             ValueError: the file is broken, or has not what is named; what there is, is told.
         """
         instance("flexible", flexible, FlexibleJoint, none="joints by design")
-        instance("friction", friction, LuGre, none="friction by design")
+        instance("friction", friction, FrictionLaw, none="friction by design")
         instance("hardware", hardware, Hardware, none="hardware by design")
-        known = {**({} if flexible is None else vars(flexible)), **({} if friction is None else vars(friction))}
+        lugre = friction if isinstance(friction, LuGre) else None
+        known = {**({} if flexible is None else vars(flexible)), **({} if lugre is None else vars(lugre))}
         chosen: dict[str, Any] = {"joints": joints, "tool": tool, "home": home, "redundant": redundant}
         made = made_from_file(path, **chosen, known=known, sources={}, hardware=hardware)
-        return cls(**made, identified=made["friction"])
+        identified = made["friction"]
+        return cls(**{**made, "friction": friction or identified}, identified=identified)
 
     @classmethod
     def from_toml(cls, path: str | PathLike[str]) -> Robot:
@@ -190,6 +192,9 @@ class Robot:
         keys = ("joints", "tool", "camera", "home", "frozen", "known", "sources", "redundant", "hardware")
         made = made_from_file(said["file"], **{key: said[key] for key in keys})
         made["sources"] = {**said["sources"], **made["sources"]}
+        law = said["friction"]
+        if law is not None:
+            made["friction"] = law if isinstance(law, FrictionLaw) else law.like(made["friction"])
         parts = ("identified", "pd_gains", "impedance_gains")
         return cls(**{**made, "name": said["name"], **{part: said[part] for part in parts}})
 

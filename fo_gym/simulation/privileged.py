@@ -18,7 +18,9 @@ def privileged_info(simulation: Simulation) -> JointInfo:
     drawn = [per_joint(scenario.friction, simulation.dof) for scenario in simulation.scenarios]
     if not all(isinstance(friction, LuGre) for friction in drawn):
         return simulation.joint_info
-    dry, added, viscous = simulation.hardware_model.friction_change
-    own = stacked(drawn)
-    levels = {name: dry * getattr(own, name) + added for name in ("f_c", "f_s")}
-    return replace(simulation.joint_info, identified=stacked(drawn, **levels, sigma_2=viscous * own.sigma_2))
+    change, own = simulation.hardware_model.friction_change, stacked(drawn)
+    f_c = change.dry * own.f_c + change.added
+    f_s = change.dry * own.f_s + change.added + change.stiction
+    return replace(
+        simulation.joint_info, identified=stacked(drawn, f_c=f_c, f_s=f_s, sigma_2=change.viscous * own.sigma_2)
+    )

@@ -70,7 +70,7 @@ def fitted_hand(
     lightest = 1.0 / np.linalg.eigvalsh(jacobian @ np.linalg.solve(poses.inertia(robot.home), jacobian.T))[-1]
     if stiffness is None:
         levers = np.abs(np.array([direction, across]) @ jacobian).max(axis=0)
-        room = FORCE_SHARE * np.asarray(robot.flexible.torque_limit) / np.maximum(levers, 1e-9)
-        stiffness = float(min(STIFFNESS, room.min() / stroke, TOOL_RATE**2 * lightest))
+        tightest = float(np.max(levers / robot.flexible.torque_limit)) * stroke / FORCE_SHARE
+        stiffness = float(min(1.0 / max(tightest, 1.0 / STIFFNESS), TOOL_RATE**2 * lightest))
     damping = float(min(DAMPING_TIME * stiffness, TOOL_RATE * lightest))
     return FittedHand(stroke, stroke / STROKE_TIME, stiffness, damping, direction, across)

@@ -10,6 +10,7 @@ from fo_gym.certificate.fidelity import twin
 from fo_gym.certificate.fidelity import energy
 from fo_gym.certificate.fidelity import rest
 from fo_gym.certificate.fidelity import sensitivity
+from fo_gym.certificate.fidelity import laws
 # isort: on
 
-__all__ = ["CHECKS", "energy", "lugre", "rest", "sensitivity", "solver", "twin"]
+__all__ = ["CHECKS", "energy", "laws", "lugre", "rest", "sensitivity", "solver", "twin"]

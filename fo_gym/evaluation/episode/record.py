@@ -23,11 +23,16 @@ class Motion:
         theta: motor positions, (ticks, dof), m or rad.
         tool: tool position in the world, (ticks, 3), m; None where the task has no tool path.
         f_hand: mean force of the hand on the tool, (periods, 3), N; None where no hand guides it.
+        lost: work that friction, and what compensates it, took from the motors beyond the controller without friction
+            on this motion, (tau_free - tau_m - tau_dist)' (theta[k+1] - theta[k]), (periods,), J; tau_free is the
+            control torque for the true theta and theta_dot at the beginning of the period. None where no hand guides
+            the tool.
     """
 
     theta: Array
     tool: Array | None
     f_hand: Array | None = None
+    lost: Array | None = None
 
     @property
     def scored(self) -> Array:
@@ -65,8 +70,9 @@ class Episode:
         termination: "" or why the episode ended early ("joint_limit" | "non_finite"). After the end
             every array holds its last finite value.
         hand: the hand that guides the tool, or None.
-        tau_held: what the controller would apply at theta, were the motors at rest there, (ticks, dof), N or N m; None
-            where no hand guides the tool.
+        damped: work that the controller without friction takes on this motion and does not store, (periods,), J:
+            (tau_held - tau_free)' (theta[k+1] - theta[k]), where tau_held is the control torque for the true theta at
+            rest, the mean of both ends of the period. None where no hand guides the tool.
     """
 
     dt: float
@@ -94,7 +100,7 @@ class Episode:
     stored: float
     termination: str
     hand: Hand | None = None
-    tau_held: Array | None = None
+    damped: Array | None = None
 
     @property
     def duration(self) -> float:

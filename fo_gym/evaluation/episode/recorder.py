@@ -79,8 +79,9 @@ class _Recorder:
         self.ticks = {name: np.empty((self.steps + 1, env.num_envs, size)) for name, size in sizes.items()}
         shape = (self.steps, env.num_envs, self.dof)
         self.periods = {name: np.empty(shape) for name in _PERIOD_TRUTH}
+        self.guided: dict[str, Array] = {}
         if self.simulation.hands is not None:
-            self.ticks["tau_held"] = np.empty((self.steps + 1, env.num_envs, self.dof))
+            self.guided = {name: np.empty((self.steps + 1, env.num_envs, self.dof)) for name in ("held", "free")}
             self.periods["f_hand"] = np.empty((self.steps, env.num_envs, 3))
         self.scenarios = tuple(self.simulation.scenarios)
         self.alive = np.ones(env.num_envs, dtype=bool)
@@ -94,9 +95,9 @@ class _Recorder:
             self.ticks[name][tick] = info[name]
         for name in _TICK_SIGNALS:
             self.ticks[name][tick] = getattr(self.signals, name)
-        if "tau_held" in self.ticks:
-            theta = info["theta"]
-            self.ticks["tau_held"][tick] = self.simulation.control.torque(theta, np.zeros_like(theta))
+        if self.simulation.hands is not None:
+            theta, theta_dot, torque = info["theta"], info["theta_dot"], self.simulation.control.torque
+            self.guided["held"][tick], self.guided["free"][tick] = torque(theta, 0.0 * theta), torque(theta, theta_dot)
 
     def run(self, compensator: Compensator, name: str) -> Recording:
         """All episodes, tick by tick."""
@@ -129,7 +130,7 @@ class _Recorder:
         """After an early end every array holds its last value: the joint stays where it was lost."""
         for i in np.flatnonzero(~self.alive):
             end = self.ended[i]
-            for array in self.ticks.values():
+            for array in (*self.ticks.values(), *self.guided.values()):
                 array[end:, i] = array[end, i]
             for array in self.periods.values():
                 array[end:, i] = array[end - 1, i]
@@ -141,6 +142,8 @@ class _Recorder:
             body = RigidBody(simulation.robot.link_side, self.steps + 1)
             tool = [body.tool_position(self.ticks["q"][:, i]) for i in range(self.env.num_envs)]
             self.ticks["tool"] = np.stack(tool, axis=1)
+        if simulation.hands is not None:
+            self._add_works()
         levers = simulation.robot.levers
         if np.any(levers != 1.0):
             self._tell_in_one_unit(levers)
@@ -158,9 +161,14 @@ class _Recorder:
             seconds=self.seconds,
         )
 
+    def _add_works(self) -> None:
+        """What friction and damping take, see Motion.lost and Episode.damped: (periods, num_envs) [J]."""
+        step, held, free = np.diff(self.ticks["theta"], axis=0), self.guided["held"], self.guided["free"]
+        acting = self.periods["tau_m"] + self.periods["tau_dist"]
+        self.periods["lost"] = np.sum((free[:-1] - acting) * step, axis=-1)
+        self.periods["damped"] = np.sum((0.5 * (held[:-1] + held[1:]) - free[:-1]) * step, axis=-1)
+
     def _tell_in_one_unit(self, levers: Array) -> None:
         """Joints of a robot with hinges and slides in the same unit, see `Robot.levers`."""
         self.ticks |= {name: self.ticks[name] / levers for name in _JOINT_TICKS}
         self.periods |= {name: self.periods[name] * levers for name in _PERIOD_TRUTH}
-        if "tau_held" in self.ticks:
-            self.ticks["tau_held"] *= levers

@@ -27,16 +27,18 @@ class Motions:
         theta: (ticks, num_envs, dof), m or rad.
         tool: (ticks, num_envs, 3), m, or None.
         f_hand: (periods, num_envs, 3), N, or None.
+        lost: (periods, num_envs), J, or None.
     """
 
     theta: Array
     tool: Array | None
     f_hand: Array | None = None
+    lost: Array | None = None
 
     def episode(self, i: int) -> Motion:
         """Motors, tool and hand of episode i."""
-        tool, f_hand = (None if each is None else each[:, i] for each in (self.tool, self.f_hand))
-        return Motion(self.theta[:, i], tool, f_hand)
+        rest = (None if each is None else each[:, i] for each in (self.tool, self.f_hand, self.lost))
+        return Motion(self.theta[:, i], *rest)
 
 
 @dataclass(frozen=True)
@@ -63,10 +65,9 @@ class Recording:
         robot, task: what was run.
         dt: time between two ticks [s].
         ticks: arrays (ticks, num_envs, size) by name: theta, theta_dot, q, q_dot, and on a path tool, as they truly
-            were; theta_n, theta_n_dot, theta_d, reference as the compensator saw them; with a hand tau_held, see
-            Episode.
-        periods: arrays (periods, num_envs, dof) by name: tau_f_hat, tau_m, tau_f, tau_dist, tau_ext; with a hand
-            f_hand, of size 3.
+            were; theta_n, theta_n_dot, theta_d, reference as the compensator saw them.
+        periods: arrays (periods, num_envs, dof) by name: tau_f_hat, tau_m, tau_f, tau_dist, tau_ext; with a hand f_hand
+            (periods, num_envs, 3), lost and damped (periods, num_envs), see Motion and Episode.
         scenarios: the drawn episodes.
         stored: energy in the joints when the push of each episode begins, see `stored_energy`, (num_envs,) [J].
         torque_limit: (dof,).
@@ -90,7 +91,8 @@ class Recording:
     @property
     def motions(self) -> Motions:
         """Motors, tools and hands of all episodes."""
-        return Motions(self.ticks["theta"], self.ticks.get("tool"), self.periods.get("f_hand"))
+        periods = self.periods
+        return Motions(self.ticks["theta"], self.ticks.get("tool"), periods.get("f_hand"), periods.get("lost"))
 
     def part(self, rows: slice) -> Recording:
         """Some episodes of the batch as a recording of their own; the time per call is their share of it."""
@@ -136,5 +138,5 @@ class Recording:
             stored=float(self.stored[i]),
             termination=self.terminations[i],
             hand=self.scenarios[i].hand,
-            tau_held=ticks.get("tau_held"),
+            damped=periods.get("damped"),
         )

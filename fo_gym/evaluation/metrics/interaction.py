@@ -41,16 +41,18 @@ def hand_work(episode: Episode) -> float:
 def hand_friction_work(episode: Episode) -> float:
     """Work of the hand against friction, as a share of what it is without compensation: 1 useless, 0 as if none.
 
-        |W - W_ideal| / |W_none - W_ideal|,  W = hand_work_j
+        |W_f| / |W_f,none|,  W_f = hand_work_j - (what the friction-free arm would store and damp on the same motion)
 
-    of the same hand in the same episode. The absolute value: to help the hand along is no better than to hinder it. NaN
-    where friction changes the work by less than 1e-9 J.
+    of the same hand in the same episode, from its grip until it has let go. By the energy balance of the plant W_f is
+    the sum of `Motion.lost`, and so computed: without friction it is 0, without compensation the work of friction
+    itself, wherever the tool goes. The absolute value: to help the hand along is no better than to hinder it. NaN where
+    friction takes less than 1e-9 J.
     """
-    if _hand(episode) is None:
+    hand = _hand(episode)
+    if hand is None:
         return math.nan
-    ideal = _work(episode.ideal)
-    effect = abs(_work(episode.none) - ideal)
-    return abs(_work(episode.motion) - ideal) / effect if effect >= _NO_WORK else math.nan
+    effect = abs(_against_friction(episode.none, hand, episode))
+    return abs(_against_friction(episode.motion, hand, episode)) / effect if effect >= _NO_WORK else math.nan
 
 
 @metric("apparent_friction_n", unit="N", better="lower", tolerance=Tolerance(1e-4, 0.2))
@@ -91,18 +93,16 @@ def hand_energy_created(episode: Episode) -> float:
         max over t1 <= t2 of  V(t2) - V(t1) - ∫ tau_ext' q_dot dt,  at least 0
 
     In J. V is what the friction-free arm stores: energy of motion of links and motors, of the joints' springs, of
-    gravity, and the potential of the controller, whose gradient is tau_held, its torque at rest. (tau_ext, q_dot) of
-    that arm is passive with V, so its value is 0: this is by how much the compensated arm breaks the same inequality.
-    By the energy balance of the plant it is the largest rise of ∫ (tau_m + tau_dist - tau_held)' theta_dot dt, the work
-    of all that acts on the motors beyond tau_held; so it is computed, period by period: tau_m and tau_dist are means
-    over the period, tau_held is that of its ends.
+    gravity, and the potential of the controller, whose gradient is its torque at rest. (tau_ext, q_dot) of that arm is
+    passive with V, so its value is 0: this is by how much the compensated arm breaks the same inequality. By the energy
+    balance of the plant it is the largest fall of the sum of `Motion.lost` and `Episode.damped`, and so computed.
     """
-    if _hand(episode) is None or episode.tau_held is None:
+    if _hand(episode) is None:
         return math.nan
-    held = (episode.tau_held[:-1] + episode.tau_held[1:]) / 2
-    work = np.sum((episode.tau_m + episode.tau_dist - held) * np.diff(episode.motion.theta, axis=0), axis=1)
-    energy = np.cumsum(np.append(0.0, work))
-    return float(np.max(energy - np.minimum.accumulate(energy)))
+    assert episode.motion.lost is not None
+    assert episode.damped is not None
+    taken = np.cumsum(np.append(0.0, episode.motion.lost + episode.damped))
+    return float(np.max(np.maximum.accumulate(taken) - taken))
 
 
 @metric("hand_passivity_violation_ratio", unit="1", better="lower", tolerance=Tolerance(0.0, 1.0), share=True)
@@ -127,6 +127,13 @@ def _work(motion: Motion) -> float:
     assert motion.tool is not None
     assert motion.f_hand is not None
     return float(np.sum(motion.f_hand * np.diff(motion.tool, axis=0)))
+
+
+def _against_friction(motion: Motion, hand: Hand, episode: Episode) -> float:
+    """Work against friction from the grip until the hand has let go [J]."""
+    assert motion.lost is not None
+    guided = episode.ticks(hand.grip, hand.let_go + hand.release)
+    return float(np.sum(motion.lost[guided.start : guided.stop - 1]))
 
 
 def _half_width(motion: Motion, hand: Hand, episode: Episode) -> float:

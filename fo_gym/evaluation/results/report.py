@@ -10,6 +10,8 @@ import pandas as pd
 from fo_gym.evaluation.episode.trace import write_traces
 from fo_gym.evaluation.metrics.hunting import HUNTING
 from fo_gym.evaluation.results.figures import figures
+from fo_gym.evaluation.results.laws import laws_page
+from fo_gym.evaluation.results.laws_figure import laws_figure
 from fo_gym.evaluation.results.leaderboard import leaderboard
 from fo_gym.evaluation.results.tables import authors, explained, markdown, rankings, summary
 from fo_gym.evaluation.results.ties import RELEVANT
@@ -77,6 +79,8 @@ def markdown_page(protocol: Protocol, results: Results, table: pd.DataFrame, pic
 def write_results(protocol: Protocol, results: Results, out: Path, *, traced: bool = False) -> list[Path]:
     """Write episodes.csv, leaderboard.csv, timing.csv, leaderboard.md, processor.json and the figures into `out`.
 
+    A protocol with friction laws gets laws.md and a figure beside them.
+
     Args:
         protocol: what was run.
         results: what came out.
@@ -96,6 +100,9 @@ def write_results(protocol: Protocol, results: Results, out: Path, *, traced: bo
         "leaderboard.md": markdown_page(protocol, results, table, pictures),
         "processor.json": json.dumps({processor(): dict(processor_features())}, indent=2) + "\n",
     }
+    if protocol.laws:
+        texts["laws.md"] = laws_page(protocol, table)
+        pictures = [*pictures, laws_figure(protocol, table, out / "figures")]
     for name, text in texts.items():
         atomic(out / name, text)
     index = [write_traces(results.traces, results.episodes, out / "traces")] if traced else []

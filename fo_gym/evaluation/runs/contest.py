@@ -8,17 +8,21 @@ from typing import Any
 
 import pandas as pd
 
-from fo_gym.envs.registry import environment_of
+from fo_gym.envs.registry import Environment, environment_of
 from fo_gym.evaluation.competitors.competitor import Competitor
 from fo_gym.evaluation.competitors.entry import check_names, competitor_of
 from fo_gym.evaluation.episode.trace import Trace
 from fo_gym.evaluation.runs.episodes import EpisodeSet
 from fo_gym.evaluation.runs.protocol import Protocol
 from fo_gym.evaluation.runs.trial import REFERENCES
-from fo_gym.robots import robot_of
+from fo_gym.friction import LuGre, law_class
+from fo_gym.robots import Robot, RobotLike, robot_of
 from fo_gym.specs import BUILT_IN
 
-__all__ = ["Contest", "Results", "competitors_of", "contests_in", "episodes_in"]
+_WITH = " with "
+"""Between the name of a robot and that of the law that it was given."""
+
+__all__ = ["Contest", "Results", "competitors_of", "contests_in", "episodes_in", "law_of_robot", "under_law"]
 
 
 @dataclass(frozen=True)
@@ -88,16 +92,50 @@ def contests_in(protocol: Protocol, submissions: Sequence[Competitor] = (), *, t
     return [Contest(episodes, competitors) for episodes in episodes_in(protocol, traced=traced)]
 
 
-def episodes_in(protocol: Protocol, *, traced: bool = False) -> list[EpisodeSet]:
-    """Every set of episodes of a protocol: each environment, for arms on each of its robots, in each variant.
+def under_law(robot: RobotLike, law: str) -> Robot:
+    """The robot with another friction law, as like its own friction as can be: one of another name, but for LuGre.
 
     Raises:
-        FileNotFoundError, ValueError: a robot cannot be had.
+        FileNotFoundError, ValueError: the robot or the law cannot be had, or its own friction is not LuGre.
+    """
+    own = robot_of(robot)
+    kind = law_class(law)
+    if isinstance(own.friction, kind):
+        return own
+    if not isinstance(own.friction, LuGre):
+        raise ValueError(f"robot {own.name!r} has friction {type(own.friction).__name__}; laws are made like a LuGre")
+    try:
+        friction = kind.like(own.friction)
+    except NotImplementedError as error:
+        raise ValueError(f"law {law!r}: {error}") from error
+    return replace(own, friction=friction, name=f"{own.name}{_WITH}{kind.__name__}")
+
+
+def law_of_robot(name: str) -> tuple[str, str]:
+    """Whose the name of a robot in a table is, and under which law it runs there: "LuGre" where it is as it was."""
+    own, under, law = name.rpartition(_WITH)
+    return (own, law) if under else (name, LuGre.__name__)
+
+
+def _under(kind: dict[str, Any], env: Environment, law: str) -> dict[str, Any]:
+    """Arguments of an environment under a law; the same, where that is its own."""
+    own = robot_of(kind.get("robot", env.robot))
+    robot = under_law(own, law)
+    return kind if robot is own else {"robot": robot}
+
+
+def episodes_in(protocol: Protocol, *, traced: bool = False) -> list[EpisodeSet]:
+    """Every set of episodes of a protocol: each environment on its robots (for arms), under its laws, in each variant.
+
+    Raises:
+        FileNotFoundError, ValueError: a robot or a law cannot be had.
     """
     robots = [replace(robot_of(value), name=name) for name, value in protocol.robots.items()]
     sets = []
     for env in map(environment_of, protocol.environments):
         kinds: list[dict[str, Any]] = [{"robot": robot} for robot in robots if "arm" in env.tags] or [{}]
+        if protocol.laws:
+            kinds = [_under(kind, env, law) for kind in kinds for law in protocol.laws]
         sets += [
             EpisodeSet(env.id, variant, protocol.seeds_of(variant), kind, traced)
             for kind in kinds

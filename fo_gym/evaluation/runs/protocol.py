@@ -14,8 +14,11 @@ from typing import Any
 from fo_gym.checks import choice, instance, shown, text
 from fo_gym.envs.registry import Environment, environment_of
 from fo_gym.evaluation.runs.seeds import LEADERBOARD_SEEDS, VALIDATION_SEEDS, first, seeds_for
+from fo_gym.friction import law_class
 from fo_gym.tasks.variants import VARIANTS
 from fo_gym.toml import read_toml
+
+_OPTIONAL = {"robots", "laws"}
 
 SPLITS = {"leaderboard": LEADERBOARD_SEEDS, "validation": VALIDATION_SEEDS}
 
@@ -36,6 +39,8 @@ class Protocol:
             the path of a TOML file. The references `none`, `ideal` and `bound` run always.
         robots: by the names that tables call them, shipped robots or files, on each of which the environments for arms
             run; without any they run on their own.
+        laws: friction laws, by the names of `fo_gym.friction.law_class`, under each of which everything is run, with
+            the parameters that make them most like the robot's own friction; without any that is as it is.
     """
 
     name: str
@@ -45,6 +50,7 @@ class Protocol:
     variants: tuple[str, ...]
     compensators: tuple[str, ...]
     robots: Mapping[str, str] = field(default_factory=dict)
+    laws: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if not isinstance(self.seeds, int) or isinstance(self.seeds, bool):
@@ -62,8 +68,12 @@ class Protocol:
         ):
             if not names or not all(isinstance(name, str) for name in names):
                 raise ValueError(f"protocol {self.name!r}: {what} is {list(names)}; give at least one name")
+        for what in ("environments", "variants", "compensators", "laws"):
+            names = getattr(self, what)
             if len(set(names)) != len(names):
                 raise ValueError(f"protocol {self.name!r}: {what} {list(names)} names one of them twice; leave one out")
+        for law in self.laws:
+            _law(self.name, law)
         first(SPLITS[self.split], self.seeds)
         rows = [_environment(self.name, name) for name in self.environments]
         _check_table(f"protocol {self.name!r}: robots", self.robots)
@@ -80,7 +90,7 @@ class Protocol:
     @property
     def stamp(self) -> str:
         """Name and hash of the whole protocol; every row of the results carries it."""
-        told = {name: value for name, value in asdict(self).items() if name != "robots" or value}
+        told = {name: value for name, value in asdict(self).items() if name not in _OPTIONAL or value}
         content = json.dumps(told, sort_keys=True).encode()
         return f"{self.name}@{hashlib.sha256(content).hexdigest()[:12]}"
 
@@ -88,6 +98,13 @@ class Protocol:
 def _environment(protocol: str, name: str) -> Environment:
     try:
         return environment_of(name)
+    except ValueError as error:
+        raise ValueError(f"protocol {protocol!r}: {error}") from error
+
+
+def _law(protocol: str, name: str) -> None:
+    try:
+        law_class(name)
     except ValueError as error:
         raise ValueError(f"protocol {protocol!r}: {error}") from error
 
@@ -118,11 +135,11 @@ def load_protocol(file: str | Path) -> Protocol:
         raise ValueError(f"there is no protocol {shown(str(file))}; name a TOML file or one of {', '.join(shipped)}")
     content = read_toml("protocol", path)
     allowed = {each.name for each in fields(Protocol)}
-    missing, unknown = sorted(allowed - {"robots"} - set(content)), sorted(set(content) - allowed)
+    missing, unknown = sorted(allowed - _OPTIONAL - set(content)), sorted(set(content) - allowed)
     if missing or unknown:
         raise ValueError(f"protocol {path}: missing keys {missing}, unknown keys {unknown}")
-    for name in ("environments", "variants", "compensators"):
-        if not isinstance(content[name], list):
+    for name in ("environments", "variants", "compensators", "laws"):
+        if not isinstance(content.get(name, []), list):
             raise ValueError(f"protocol {path}: {name} is {content[name]!r}; it must be a list")
     return Protocol(
         name=content["name"],
@@ -132,4 +149,5 @@ def load_protocol(file: str | Path) -> Protocol:
         variants=tuple(content["variants"]),
         compensators=tuple(content["compensators"]),
         robots=content.get("robots", {}),
+        laws=tuple(content.get("laws", [])),
     )

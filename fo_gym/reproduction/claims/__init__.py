@@ -6,12 +6,32 @@ from fo_gym.reproduction.claim import CLAIMS
 # isort: off
 from fo_gym.reproduction.claims import panels
 from fo_gym.reproduction.claims import rest
+from fo_gym.reproduction.claims import arm_rest
 from fo_gym.reproduction.claims import stiction
 from fo_gym.reproduction.claims import lowpass
 from fo_gym.reproduction.claims import algebra
 from fo_gym.reproduction.claims import theorem2
 from fo_gym.reproduction.claims import passivity
-from fo_gym.reproduction.claims import experiments
+from fo_gym.reproduction.claims import model_based
+from fo_gym.reproduction.claims import regulation
+from fo_gym.reproduction.claims import square
+from fo_gym.reproduction.claims import tracking
+from fo_gym.reproduction.claims import interaction
 # isort: on
 
-__all__ = ["CLAIMS", "algebra", "experiments", "lowpass", "panels", "passivity", "rest", "stiction", "theorem2"]
+__all__ = [
+    "CLAIMS",
+    "algebra",
+    "arm_rest",
+    "interaction",
+    "lowpass",
+    "model_based",
+    "panels",
+    "passivity",
+    "regulation",
+    "rest",
+    "square",
+    "stiction",
+    "theorem2",
+    "tracking",
+]

@@ -8,19 +8,15 @@ from functools import lru_cache
 import numpy as np
 
 from fo_gym.certificate.cases import FRICTION
-from fo_gym.certificate.statement import Finding, at_least, at_most
+from fo_gym.certificate.statement import Finding, at_most
 from fo_gym.certificate.subject import Subject
 from fo_gym.evaluation.episode.recorder import record
 from fo_gym.evaluation.runs.seeds import VALIDATION_SEEDS, first
-from fo_gym.parameters import LuGre, PDGains
-from fo_gym.plant.rigid_body import RigidBody
+from fo_gym.parameters import LuGre
 from fo_gym.reproduction.claim import claim
 from fo_gym.reproduction.loop import Motion, run_loop
-from fo_gym.reproduction.runs import GAINS, STICTION, long_hold, panels, regulation
+from fo_gym.reproduction.runs import GAINS, STICTION, panels
 from fo_gym.reproduction.team import Run
-
-_JOINT = 1
-"""Joint 2, the one that the paper shows."""
 
 _TARGET, _SECONDS, _DT, _CONSTANT = 0.01, 20.0, 1e-3, 1.0
 """Step [m], duration [s], control period [s] and constant friction [N] of the runs under other friction."""
@@ -85,55 +81,6 @@ def _pd_rest_bound(subject: Subject) -> Finding:
     shares = [share for gains in GAINS for share in _rests_of_draws(subject, gains)]
     text = f"largest |theta - theta_d| B L L_p / f_s at 20 s over {len(shares)} random joints, low and high gains"
     return at_most(max(shares), 1.0, "", text)
-
-
-@claim(
-    "pd-rest-gravity",
-    source="corollary on the PD-type at rest, with gravity",
-    text="With gravity, too, theta_n rests at theta_d, so that theta - theta_d is -e.",
-    fails="The controller compensates g(q_d), while the links weigh g(q): theta_n rests where "
-    "K_p (theta_n - theta_d) = g(q_d) - g(q).",
-)
-def _pd_rest_gravity(subject: Subject) -> Finding:
-    run = long_hold(subject)["pd-low"]
-    theta, theta_n, theta_d = (run.tick(name, _JOINT)[-1] for name in ("theta", "theta_n", "theta_d"))
-    task, target = run.recording.task, run.recording.scenarios[run.row].target
-    assert isinstance(task.gains, PDGains)
-    assert target is not None
-    body, q = RigidBody(run.recording.robot.link_side, 1), run.recording.ticks["q"][-1, run.row]
-    sag = (body.gravity(target[None]) - body.gravity(q[None]))[0] / task.gains.kp
-    text = "|theta_n - theta_d| / |theta - theta_d| at joint 2 after 60 s, low gains; theta_n - theta_d is "
-    text += f"{1e3 * (theta_n - theta_d):.4g} mrad, (g(q_d) - g(q)) / K_p {1e3 * sag[_JOINT]:.4g} mrad"
-    return at_most(abs((theta_n - theta_d) / (theta - theta_d)), 0.01, "", text)
-
-
-@claim(
-    "pd-rest-bound-arm",
-    source="corollary on the PD-type at rest, bound, with gravity",
-    text="On the arm the PD-type rests within f_s / (B L L_p) of the target, gravity or not.",
-)
-def _pd_rest_bound_arm(subject: Subject) -> Finding:
-    run = long_hold(subject)["pd-low"]
-    shares = []
-    for joint in range(run.recording.robot.dof):
-        error = abs(run.tick("theta", joint)[-1] - run.tick("theta_d", joint)[-1])
-        inertia, f_s = (run.parameter(name, joint) for name in ("motor_inertia", "f_s"))
-        shares.append(error * _stiffness("low", inertia) / f_s)
-    text = f"largest |theta - theta_d| B L L_p / f_s over joints after 60 s, low gains: joint {np.argmax(shares) + 1}"
-    return at_most(max(shares), 1.0, "", text)
-
-
-@claim(
-    "pd-rest-chance",
-    source="regulation experiment, PD-type, low gains",
-    text="Where the PD-type rests depends on how it got there: the error differs before and after the push.",
-)
-def _pd_rest_chance(subject: Subject) -> Finding:
-    run = regulation(subject)["pd-low"]
-    error = 1e3 * (run.tick("theta", _JOINT) - run.tick("theta_d", _JOINT))
-    before, after = error[round(12.9 / run.recording.dt)], error[-1]
-    text = f"|difference| at joint 2: {before:.3g} mrad before, {after:.3g} after (the paper's own arm: 3.6 and 1.9)"
-    return at_least(abs(after - before), 0.3, "mrad", text)
 
 
 @lru_cache(maxsize=8)

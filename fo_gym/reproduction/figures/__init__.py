@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from fo_gym.certificate.subject import Subject
 from fo_gym.files import draft_of
-from fo_gym.reproduction.figures import convergence, lugre, motivating, panels, regulation, square
+from fo_gym.reproduction.figures import convergence, interaction, lugre, motivating, panels, regulation, square
 from fo_gym.reproduction.figures.style import RC
 
 # No dates and no versions: the same figure is the same file.
@@ -42,6 +42,7 @@ FIGURES = {
     "simulation": FigureSpec(panels.TITLE, panels.CAPTION, panels.figure),
     "regulation": FigureSpec(regulation.TITLE, regulation.CAPTION, regulation.figure),
     "square": FigureSpec(square.TITLE, square.CAPTION, square.figure),
+    "interaction": FigureSpec(interaction.TITLE, interaction.CAPTION, interaction.figure),
     "motivating": FigureSpec(motivating.TITLE, motivating.CAPTION, motivating.figure),
     "lugre": FigureSpec(lugre.TITLE, lugre.CAPTION, lugre.figure),
     "convergence": FigureSpec(convergence.TITLE, convergence.CAPTION, convergence.figure),
