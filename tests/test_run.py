@@ -18,6 +18,7 @@ from fo_gym.evaluation.runs.contest import Results
 from fo_gym.evaluation.runs.protocol import Protocol
 from fo_gym.evaluation.runs.run import run_protocol
 from fo_gym.evaluation.runs.seeds import LEADERBOARD_SEEDS
+from fo_gym.specs import BUILT_IN
 
 pytestmark = pytest.mark.usefixtures("short_episodes")
 SQUARE = "FJRSquare-v0"
@@ -67,7 +68,7 @@ def protocol() -> Protocol:
     return Protocol("small", "leaderboard", 2, (SQUARE,), ("nominal", "randomized"), names)
 
 
-ORDER = ["none", "ideal", "theirs.py:Late", "theirs.py:Pushy", "nobody", "pid-high"]
+ORDER = [*BUILT_IN, "theirs.py:Late", "theirs.py:Pushy", "nobody", "pid-high"]
 
 
 @pytest.fixture(scope="module")
@@ -124,9 +125,9 @@ def test_scores_are_those_of_evaluate(results: Results) -> None:
 
 def test_every_row_says_where_its_competitor_is_from(results: Results) -> None:
     told = results.episodes.groupby("compensator", sort=False)[["origin", "competitor_hash"]].agg(set)
-    assert [origin for (origin,) in told["origin"]] == ["reference"] * 2 + ["baseline"] * 4
+    assert [origin for (origin,) in told["origin"]] == ["reference"] * len(BUILT_IN) + ["baseline"] * 4
     hashes = [content for (content,) in told["competitor_hash"]]
-    assert hashes[:2] == ["", ""]
+    assert hashes[: len(BUILT_IN)] == [""] * len(BUILT_IN)
     assert hashes[ORDER.index("nobody")] == ""
     others = [content for content in hashes if content]
     assert len(set(others)) == 3
@@ -146,7 +147,9 @@ def test_the_seeds_make_a_difference(results: Results) -> None:
 
 def test_progress_is_told_as_often_as_there_are_runs(results: Results, labels: list[str]) -> None:
     expected = [f"{SQUARE}, {variant}: none, ideal, bound" for variant in ("nominal", "randomized")]
-    expected += [f"{SQUARE}, {variant}: {name}" for variant in ("nominal", "randomized") for name in ORDER[2:]]
+    expected += [
+        f"{SQUARE}, {variant}: {name}" for variant in ("nominal", "randomized") for name in ORDER[len(BUILT_IN) :]
+    ]
     assert labels == expected
     assert len(results.timing) == 2 * (len(ORDER) - 2)
 

@@ -66,7 +66,7 @@ def scored(env_id: str, variant: str, *strangers: MomentumObserver) -> pd.DataFr
     theirs = []
     for stranger in strangers:
         name = type(stranger).__name__
-        theirs.append(rows(episodes, name, episodes.record(stranger, name), references))
+        theirs.append(rows(episodes, name, episodes.record(stranger, name), references, stranger))
     return pd.concat([ours, *theirs], ignore_index=True)
 
 
