@@ -14,11 +14,10 @@ from fo_gym.tasks.square_fit import Direction, fitted_square
 Array = NDArray[np.float64]
 
 STIFFNESS = 1000.0
-"""Of a hand that holds on firmly, at most [N/m]. Ours, at the upper end of what was measured at the hand of a human arm
-that is held still: some 100 N/m relaxed, about 1000 N/m with muscles tensed (Tsuji et al. 1995, Burdet et al. 2001)."""
+"""Of a hand that holds on firmly, at most [N/m]. Ours: firm for a human arm, so that the tool follows it."""
 
 DAMPING_TIME = 0.03
-"""Damping as a share of the stiffness [s]: 30 N s/m at 1000 N/m. Ours; arms have a few tens of N s/m."""
+"""Damping as a share of the stiffness [s]: 30 N s/m at 1000 N/m. Ours."""
 
 FORCE_SHARE = 0.6
 """Share of a joint's torque limit that the hand may take if the tool stood still while its point is a stroke away."""
