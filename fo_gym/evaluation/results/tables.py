@@ -31,6 +31,9 @@ _SHOWN = (
     ("estimate_lag_ms", "lag [ms]", 1.0),
 )
 
+_SCALE = ("none", "ideal")
+"""References that make the scale of FRR: 0 and 1."""
+
 __all__ = ["MARKS", "Ranking", "authors", "explained", "finding", "markdown", "marked", "rankings", "summary"]
 
 
@@ -183,23 +186,29 @@ def _listed(words: list[str]) -> str:
 
 
 def summary(table: pd.DataFrame) -> Ranking:
-    """FRR of every competitor in every environment and variant, best on average first, failed ones last.
+    """FRR of everybody in every environment and variant: best on average first, failed ones last, below them references.
+
+    Those by whose definition FRR is 0 or 1 are left out.
 
     Args:
         table: rows as `leaderboard` gives them.
     """
-    competitors = table[~is_reference(table)]
-    frr = competitors.pivot(index="compensator", columns=SET, values="frr")
+    scored = table[~table["compensator"].isin(_SCALE)].assign(reference=is_reference)
     sets = list(table[SET].drop_duplicates().itertuples(index=False, name=None))
-    mean = frr.mean(axis=1, skipna=False).sort_values(ascending=False, kind="stable", na_position="last")
-    frr = frr.loc[mean.index, sets]
+    frr = scored.pivot(index="compensator", columns=SET, values="frr")[sets]
+    who = scored.drop_duplicates("compensator").set_index("compensator")[["origin", "reference"]]
+    who["mean"] = frr.mean(axis=1, skipna=False)
+    who = who.sort_values(["reference", "mean"], ascending=[True, False], kind="stable", na_position="last")
     headings = ["compensator", *(label_of(*each) for each in sets)]
-    origins = competitors.drop_duplicates("compensator").set_index("compensator")["origin"][frr.index]
     cells = [
-        [marked(str(name), origin), *(_number(value, ".3f") for value in values)]
-        for name, origin, values in zip(frr.index, origins, frr.to_numpy(), strict=True)
+        [
+            marked(name, origin) + (" (reference)" if reference else ""),
+            *(_number(value, ".3f") for value in frr.loc[name]),
+        ]
+        for name, origin, reference in zip(who.index, who["origin"], who["reference"], strict=True)
     ]
-    return Ranking("Friction rejection ratio", headings, cells, _own(list(origins)))
+    origins = list(who["origin"])
+    return Ranking("Friction rejection ratio", headings, cells, _own(origins))
 
 
 def markdown(ranking: Ranking) -> str:
