@@ -186,7 +186,7 @@ def _listed(words: list[str]) -> str:
 
 
 def summary(table: pd.DataFrame) -> Ranking:
-    """FRR of everybody in every environment and variant: best on average first, failed ones last, below them references.
+    """FRR of everybody in every environment and variant: best on average first, failed ones last, then references.
 
     Those by whose definition FRR is 0 or 1 are left out.
 
@@ -200,13 +200,12 @@ def summary(table: pd.DataFrame) -> Ranking:
     who["mean"] = frr.mean(axis=1, skipna=False)
     who = who.sort_values(["reference", "mean"], ascending=[True, False], kind="stable", na_position="last")
     headings = ["compensator", *(label_of(*each) for each in sets)]
-    cells = [
-        [
-            marked(name, origin) + (" (reference)" if reference else ""),
-            *(_number(value, ".3f") for value in frr.loc[name]),
-        ]
-        for name, origin, reference in zip(who.index, who["origin"], who["reference"], strict=True)
+    names = [
+        marked(str(name), origin) + (" (reference)" if reference else "")
+        for name, origin, reference in who[["origin", "reference"]].itertuples(name=None)
     ]
+    values = frr.loc[who.index].to_numpy()
+    cells = [[name, *(_number(value, ".3f") for value in row)] for name, row in zip(names, values, strict=True)]
     origins = list(who["origin"])
     return Ranking("Friction rejection ratio", headings, cells, _own(origins))
 
