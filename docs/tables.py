@@ -140,16 +140,22 @@ def _differences() -> pd.DataFrame:
 
 
 def tolerances() -> str:
-    """Each metric's tolerance beside the largest difference between instruction sets."""
+    """Each metric's tolerance beside the largest difference between instruction sets, where that was measured."""
     largest = _differences().groupby(["metric", "kind"])[["calm_largest", "chaotic_largest"]].max()
     cells = []
     for name, metric in METRICS.items():
         if metric.share:
             continue  # 1 or 0: no digits that could differ
-        exact, hardware = (largest.loc[(name, kind), "calm_largest"] for kind in ("exact", "hardware"))
-        chaotic_largest = largest.loc[name, "chaotic_largest"].max()
-        numbers = (exact, metric.tolerance.exact, hardware, metric.tolerance.hardware, chaotic_largest)
-        cells.append([name, metric.unit_text, *(f"{each:.1e}" for each in numbers)])
+        exact, hardware = (largest["calm_largest"].get((name, kind)) for kind in ("exact", "hardware"))
+        both = largest[largest.index.get_level_values("metric") == name]["chaotic_largest"]
+        numbers = (
+            exact,
+            metric.tolerance.exact,
+            hardware,
+            metric.tolerance.hardware,
+            both.max() if len(both) else None,
+        )
+        cells.append([name, metric.unit_text, *("" if each is None else f"{each:.1e}" for each in numbers)])
     headings = ["metric", "unit", "exact sensors", "tolerance", "hardware", "tolerance", "chaotic episodes"]
     return markdown(Ranking("", headings, cells))
 

@@ -140,7 +140,7 @@ def test_list_shows_everything() -> None:
         "variant": list(VARIANTS),
         "compensator": fo_gym.list_compensators(),
         "metric": list(METRICS),
-        "protocol": ["full", "quick"],
+        "protocol": ["full", "laws", "quick"],
     } | ({"entry": list(shipped_entries())} if shipped_entries() else {})
 
 
@@ -210,8 +210,8 @@ def test_a_stranger_stands_beside_the_others(scored: Outcome) -> None:
     rows = table_rows(scored.out)
     assert set(rows) == {"mine.py:Mine", "none", "ideal", "bound", *SIX}
     ranks = {name: cells[0] for name, cells in rows.items()}
-    assert sorted(ranks.values()) == ["", "", *"1234567"]
-    assert ranks["none"] == ranks["ideal"] == ""
+    assert sorted(ranks.values()) == ["", "", "", *"1234567"]
+    assert ranks["none"] == ranks["ideal"] == ranks["bound"] == ""
     assert (rows["none"][2], rows["ideal"][2]) == ("0.0000", "1.0000")
     # The stranger's observer is Le Tien's with a gain between the two of the paper.
     frr = {name: float(cells[2]) for name, cells in rows.items()}
@@ -267,7 +267,7 @@ def test_gains_and_a_name_and_chosen_baselines(folder: Path) -> None:
     assert set(rows) == {"as low", "letien-low", "none", "ideal", "bound"}
     board = pd.read_csv(folder / "results/gains/leaderboard.csv").set_index("compensator")
     assert board["origin"].to_dict() == {
-        "none": "reference", "ideal": "reference", "as low": "yours", "letien-low": "baseline"
+        **dict.fromkeys(["none", "ideal", "bound"], "reference"), "as low": "yours", "letien-low": "baseline"
     }  # fmt: skip
     assert board.loc["as low", "frr"] == pytest.approx(board.loc["letien-low", "frr"], abs=1e-6)
     again = run(*command, "--name", "again")
@@ -299,7 +299,7 @@ def test_a_protocol_of_ones_own(folder: Path) -> None:
     result = run("leaderboard", "--protocol", "tiny.toml", "--out", "tiny", "--traces", "--jobs", "1")
     assert result.code == 0, result.err
     traces = {path.name.rpartition("-")[0] or path.name for path in (folder / "tiny" / "traces").rglob("*.npz")}
-    assert traces == {"none.median.npz", "ideal.median.npz", "mine-py-Mine"}
+    assert traces == {"none.median.npz", "ideal.median.npz", "bound.median.npz", "mine-py-Mine"}
     named = {path.name for path in written(folder / "tiny") if path.suffix != ".npz"}
     assert named == FILES | {"index.csv"}
     assert "wrote tiny/traces/index.csv" in result.out

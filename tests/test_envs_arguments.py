@@ -59,7 +59,7 @@ def test_bad_actions_are_refused_and_change_nothing(env_id):
         ({"gains": fo_gym.LuGre(1, 1, 1, 1, 1, 1)}, "gains is LuGre.*takes (PDGains|ImpedanceGains)"),
         ({"joints": fo_gym.FlexibleJoint(3e3, 0.0, np.ones(5), 1.0)}, r"motor_inertia has shape \(5,\).*joints"),
         ({"friction": fo_gym.LuGre(1, 1, 1, np.ones(5), 2, 1)}, r"LuGre.f_c has shape \(5,\).*joints"),
-        ({"friction": 1.0}, "friction is 1.0; give a LuGre, or None"),
+        ({"friction": 1.0}, "friction is 1.0; give a FrictionLaw, or None"),
         ({"joints": fo_gym.FRICTIONLESS}, "joints is LuGre.*; give a FlexibleJoint, or None"),
         ({"randomization": (0.5, 2.0)}, "randomization is .*; give a Randomization, or None"),
         ({"duration": "long"}, "duration is 'long'; give a number in s"),

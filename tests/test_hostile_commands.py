@@ -157,7 +157,7 @@ def test_evaluations(folder: Path) -> None:
     def scored(**arguments: Any) -> object:
         return evaluate(**{"compensator": "pid-low", "env_id": STICTION, **arguments})  # type: ignore[arg-type]
 
-    seeds = (*NO_NUMBERS, None, 0, -1, 1.5, "20", b"20", 1001, 10**400, iter([1]), np.zeros((2, 2), int))
+    seeds = (*NO_NUMBERS, 0, -1, 1.5, "20", b"20", 1001, 10**400, iter([1]), np.zeros((2, 2), int))
     cases: list[Attack] = [("seeds", value, lambda value: scored(seeds=value, variant="randomized")) for value in seeds]
     cases += [
         ("seeds", value, lambda value: scored(seeds=value)) for value in ([], (), [1, 1], [3, 2, 3], np.zeros(0, int))

@@ -25,7 +25,7 @@ compensators = ["pid-low", "pd-low"]
 
 
 def test_shipped_protocols() -> None:
-    assert set(shipped_protocols()) == {"full", "quick"}
+    assert set(shipped_protocols()) == {"full", "laws", "quick"}
     full, quick = load_protocol("full"), load_protocol("quick")
     assert set(full.environments) <= set(ENVIRONMENTS)
     assert (full.split, full.seeds, full.variants) == ("leaderboard", 20, VARIANTS)
@@ -79,7 +79,7 @@ def test_a_bad_protocol_is_named(tmp_path: Path, old: str, new: str, message: st
 
 
 def test_a_missing_protocol_names_the_shipped_ones() -> None:
-    with pytest.raises(ValueError, match=r"no protocol 'fulll'.*full, quick"):
+    with pytest.raises(ValueError, match=r"no protocol 'fulll'.*full, laws, quick"):
         load_protocol("fulll")
 
 
@@ -91,6 +91,7 @@ CHANGES = {
     "variants": ("nominal",),
     "compensators": ("pd-low",),
     "robots": {"mine": "miro_like"},
+    "laws": ("Dahl",),
 }
 
 

@@ -167,7 +167,7 @@ def test_an_early_end_is_held_and_spoils_nobody() -> None:
     assert_same(*others)
 
     references = References(batch.record(Ideal(), "ideal").motions, calm.motions)
-    table = rows(batch, "pushed", pushed, references)
+    table = rows(batch, "pushed", pushed, references, NoCompensation())
     assert table["status"].tolist() == ["ok", "terminated", "ok"]
     assert table["error"].tolist() == ["", f"joint_limit at {end / 1000:.3f} s", ""]
     assert table["frr"][1] < -1.0

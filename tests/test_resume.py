@@ -135,11 +135,11 @@ def square(folder: Path) -> list[str]:
 
 
 def test_an_interrupted_run_says_how_to_go_on(square: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    """Interrupted when none, ideal and the first competitor are kept."""
+    """Interrupted when none, ideal, bound and the first competitor are kept."""
     options = [*square, "--out", "stopped-out", "--store", "kept", "--jobs", "1"]
 
     def stop(path: Path, content: bytes) -> None:
-        if kept("kept") == 3:
+        if kept("kept") == 4:
             raise KeyboardInterrupt
         atomic(path, content)
 
@@ -148,7 +148,7 @@ def test_an_interrupted_run_says_how_to_go_on(square: list[str], monkeypatch: py
         first = CliRunner().invoke(app, options)
     assert first.exit_code == 130
     assert "interrupted; finished runs are kept in kept, the same command goes on with them" in first.stderr
-    assert kept("kept") == 3
+    assert kept("kept") == 4
     assert not Path("stopped-out").exists()
     second = CliRunner().invoke(app, options)
     assert second.exit_code == 0, second.stderr

@@ -33,14 +33,18 @@ class TestShipped:
 
     @pytest.mark.parametrize(("make", "residual"), [(rl_residual, True), (rl_direct, False)])
     def test_what_the_cards_say(self, make, residual):
-        """Trained on the single link alone, as the documented command does; the card's course is the code's."""
+        """Trained on the single link alone, as the documented command does; the card's course is the code's.
+
+        Ranges that came since, of the hand, say nothing of a task without one.
+        """
         design = make().design
         assert design.residual is residual
         card = json.loads((SHIPPED / f"rl-{'residual' if residual else 'direct'}" / "policy.json").read_text())
         assert card["plan"]["env_id"] == "FJRStiction-v0"
         assert card["plan"]["design"] == vars(design)
         drawn = COURSES["FJRStiction-v0"].randomization
-        assert card["course"]["randomization"] == json.loads(json.dumps(vars(drawn)))
+        ranges = {name: value for name, value in vars(drawn).items() if not name.startswith("hand_")}
+        assert card["course"]["randomization"] == json.loads(json.dumps(ranges))
 
     @pytest.mark.slow
     def test_it_beats_the_observer_it_is_added_to(self):

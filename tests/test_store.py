@@ -21,8 +21,10 @@ from fo_gym.evaluation.runs.episodes import EpisodeSet
 from fo_gym.evaluation.runs.protocol import Protocol
 from fo_gym.evaluation.runs.run import run_protocol
 from fo_gym.evaluation.runs.store import Store, key_of
-from fo_gym.evaluation.runs.trial import NONE
+from fo_gym.evaluation.runs.trial import REFERENCES
 from fo_gym.files import csv
+
+NONE = REFERENCES[0]
 
 MINE = """
 from baselines import LeTienObserver
@@ -108,7 +110,7 @@ def test_everything_comes_back_bit_by_bit(first: Run) -> None:
     assert_same(first.results, again.results)
     assert_same(first.results, run_protocol(PROTOCOL))
     pd.testing.assert_frame_equal(first.results.timing, again.results.timing, check_exact=True)
-    assert len(trials()) == 4
+    assert len(trials()) == 5
     assert first.noticed == again.noticed == []
 
 
@@ -118,7 +120,7 @@ def test_a_changed_competitor_is_computed_alone(first: Run) -> None:
     assert after.results.stored == 1
     assert after.told[0] == f"{SQUARE}, nominal: pd-low, from the store"
     changed = first.results.episodes.compare(after.results.episodes)
-    assert changed.index.tolist() == [2]
+    assert changed.index.tolist() == [3]
     assert {"frr", "competitor_hash"} <= set(changed.columns.get_level_values(0))
 
 
@@ -126,8 +128,8 @@ def test_protocols_share_what_they_have_in_common(first: Run) -> None:
     Path("again.toml").write_text('spec = "mine.py:Mine"\nauthors = ["A"]\nlink = ""\n', encoding="utf-8")
     other = run_it(replace(PROTOCOL, name="other", compensators=("pd-low", "again.toml")))
     assert other.results.stored == 3
-    assert other.results.episodes["compensator"].tolist() == ["none", "ideal", "pd-low", "again"]
-    assert other.results.timing["compensator"].tolist() == ["none", "ideal", "pd-low", "again"]
+    assert other.results.episodes["compensator"].tolist() == ["none", "ideal", "bound", "pd-low", "again"]
+    assert other.results.timing["compensator"].tolist() == ["none", "ideal", "bound", "pd-low", "again"]
     assert set(other.results.episodes["protocol"].str.partition("@")[0]) == {"other"}
 
 
@@ -144,8 +146,8 @@ def test_fresh_computes_everything_and_replaces_it(first: Run) -> None:
 def test_a_failed_run_is_tried_again() -> None:
     protocol = replace(PROTOCOL, compensators=("mine.py:Sick",))
     Path("ill").touch()
-    assert run_it(protocol).results.episodes["status"].tolist() == ["ok", "ok", "failed"]
-    assert len(trials()) == 4
+    assert run_it(protocol).results.episodes["status"].tolist() == ["ok", "ok", "ok", "failed"]
+    assert len(trials()) == 5
     Path("ill").unlink()
     well = run_it(protocol)
     assert well.results.episodes["status"].tolist() == ["ok"] * 3
@@ -193,8 +195,8 @@ def test_a_store_that_cannot_be_written_stops_nothing() -> None:
     shutil.rmtree("store")
     Path("store").write_text("a file", encoding="utf-8")
     run = run_it()
-    assert run.results.episodes["status"].tolist() == ["ok"] * 4
-    assert len(run.noticed) == 4
+    assert run.results.episodes["status"].tolist() == ["ok"] * 5
+    assert len(run.noticed) == 5
     assert all("cannot be written" in text for text in run.noticed)
 
 

@@ -23,8 +23,10 @@ from fo_gym.evaluation.runs.comparison import CHAOTIC, MISMATCH, OTHER, SAME, WI
 from fo_gym.evaluation.runs.episodes import EpisodeSet
 from fo_gym.evaluation.runs.processor import processor, processor_features
 from fo_gym.evaluation.runs.store import key_of
-from fo_gym.evaluation.runs.trial import NONE
+from fo_gym.evaluation.runs.trial import REFERENCES
 from fo_gym.evaluation.runs.twins import SHIFT, TwinSet, spread
+
+NONE = REFERENCES[0]
 
 Verified = Callable[..., tuple[int, list[str]]]
 

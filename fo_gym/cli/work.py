@@ -128,9 +128,11 @@ def robots_of(robot: str | None) -> dict[str, str]:
         FileNotFoundError: there is no such file.
         ValueError: there is no such shipped robot, or the file makes none.
     """
-    from fo_gym.robots import robot_of
+    if robot is None:
+        return {}
+    from fo_gym.robots import robot_of  # which takes a while to import
 
-    return {} if robot is None else {robot_of(robot).name: robot}
+    return {robot_of(robot).name: robot}
 
 
 def laws_of(law: str | None) -> tuple[str, ...]:

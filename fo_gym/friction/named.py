@@ -13,6 +13,7 @@ from fo_gym.friction.law import FrictionLaw
 from fo_gym.friction.lugre import LuGre
 from fo_gym.friction.maxwell_slip import MaxwellSlip
 from fo_gym.modules import file_module, is_of_file
+from fo_gym.specs import spec_of
 
 LAWS: dict[str, type[FrictionLaw]] = {kind.__name__: kind for kind in (LuGre, ElastoPlastic, MaxwellSlip, Dahl)}
 """The project's own."""
@@ -28,11 +29,12 @@ def law_class(name: object) -> type[FrictionLaw]:
     """
     if isinstance(name, str) and name in LAWS:
         return LAWS[name]
-    where, _, called = name.rpartition(":") if isinstance(name, str) else ("", "", "")
-    if not where or not called:
+    spec = spec_of(name) if isinstance(name, str) else None
+    if spec is None or spec.kind not in ("file", "module"):
         raise ValueError(f"law is {shown(name)}; known are {', '.join(LAWS)}, or give file.py:Class or module:Class")
     try:
-        kind = getattr(file_module(Path(where)) if where.endswith(".py") else import_module(where), called)
+        module = file_module(Path(spec.where)) if spec.kind == "file" else import_module(spec.where)
+        kind = getattr(module, spec.attribute)
     except (ImportError, AttributeError, OSError) as error:
         raise ValueError(f"law {shown(name)} cannot be had: {error}") from error
     if not inspect.isclass(kind) or not issubclass(kind, FrictionLaw):

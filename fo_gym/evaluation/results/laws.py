@@ -11,7 +11,7 @@ import pandas as pd
 from fo_gym.evaluation.runs.contest import law_of_robot
 from fo_gym.evaluation.runs.episodes import label_of
 from fo_gym.evaluation.runs.protocol import Protocol
-from fo_gym.specs import BUILT_IN
+from fo_gym.specs import BUILT_IN, spec_of
 from fo_gym.text import markdown_table, markdown_text
 
 __all__ = ["Conclusion", "conclusions", "finding", "laws_page", "over_laws"]
@@ -51,7 +51,7 @@ _PARTS = ("robot", "law")
 
 def _names(protocol: Protocol) -> list[str]:
     """The laws as tables call them: a file's by its class."""
-    return [law.rpartition(":")[2] for law in protocol.laws]
+    return [spec_of(law).attribute or law for law in protocol.laws]
 
 
 def conclusions(protocol: Protocol, table: pd.DataFrame) -> list[Conclusion]:
