@@ -150,7 +150,7 @@ def test_a_failed_run_is_tried_again() -> None:
     assert len(trials()) == 5
     Path("ill").unlink()
     well = run_it(protocol)
-    assert well.results.episodes["status"].tolist() == ["ok"] * 3
+    assert well.results.episodes["status"].tolist() == ["ok"] * 4
     assert (well.results.stored, len(trials())) == (0, 5)
 
 
