@@ -116,7 +116,7 @@ def test_many_rows_ask_for_more() -> None:
     """A difference that is significant of one pair is not where hundreds of other pairs are looked at as well."""
     source = np.random.default_rng(0)
     noise = source.normal(size=20)
-    pair = {"best": list(BASE), "other": list(BASE - 0.01 + 0.0105 * (noise - noise.mean()))}
+    pair = {"best": list(BASE), "other": list(BASE - 0.01 + 0.0145 * (noise - noise.mean()))}
     crowd = {f"n{i}": list(BASE - 1.0 + 0.02 * source.normal(size=20)) for i in range(23)}
     alone, among = (standings(synthetic(frr)).set_index("compensator").loc["other"] for frr in (pair, pair | crowd))
     assert (alone["verdict"], among["verdict"]) == ("behind", "tied")
@@ -172,7 +172,7 @@ def test_what_a_baseline_is() -> None:
 
 
 def test_equal_competitors_share_the_rank() -> None:
-    table = standings(synthetic({"a": [0.5, 0.6], "b": [0.5, 0.6], "c": [0.1, 0.2]}))
+    table = standings(synthetic({"a": list(BASE), "b": list(BASE), "c": list(BASE - 0.4)}))
     assert table["rank"].tolist() == [1, 1, 3]
     assert table["rank_ci_low"].tolist() == [1, 1, 3]
     assert table["verdict"].tolist() == ["best", "tied", "behind"]

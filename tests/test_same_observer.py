@@ -17,7 +17,7 @@ from fo_gym.evaluation.runs.run import run_contests
 from fo_gym.evaluation.runs.trial import reference_trials
 from fo_gym.tasks.variants import VARIANTS
 
-SEEDS = (1, 2, 3, 4, 5, 6)
+SEEDS = (1, 2, 3, 4, 5, 6, 7, 8)
 DURATIONS = {STICTION: 2.0, REGULATION: 4.5}
 """Of the episodes here [s]; 3 elsewhere. Regulation steps at 3 s, the others move at once."""
 

@@ -45,9 +45,10 @@ def test_p_is_wilcoxons(count: int) -> None:
     assert paired_p([values + 5.0], [np.full(count, 5.0)]) == pytest.approx(signed_rank_p(values), rel=1e-9)
 
 
-def test_p_of_strata_is_that_of_all_differences_together() -> None:
+def test_p_of_strata_is_that_of_their_mean() -> None:
     a, b = rng(3).normal(size=(2, 6))
-    assert paired_p([a, -b], [np.zeros(6)] * 2) == paired_p([np.append(a, -b)], [np.zeros(12)])
+    assert paired_p([a, b], [np.zeros(6)] * 2) == paired_p([(a + b) / 2], [np.zeros(6)])
+    assert paired_p([a, b[:4]], [np.zeros(6), np.zeros(4)]) == paired_p([(a + b)[:4]], [np.zeros(4)])
 
 
 def test_who_is_lost_in_every_episode_is_apart_by_whatever_amount() -> None:

@@ -82,26 +82,25 @@ def paired_p(a: Sequence[ArrayLike], b: Sequence[ArrayLike]) -> float:
     """Two-sided p of the test that a is better than b as often, and by as much, as the other way round.
 
     Wilcoxon's signed-rank test (Biometrics Bulletin 1, 1945; for comparisons of methods: Demsar, JMLR 7, 2006) of the
-    differences seed by seed, those of all strata together. It asks of equals only that their differences are symmetric.
-    A t test would find who is lost in every episode, by any amount, too scattered to be apart from anybody.
+    differences seed by seed, the mean over the strata. It asks of equals only that their differences are symmetric. A
+    t test would find who is lost in every episode, by any amount, too scattered to be apart from anybody.
 
     Args:
-        a: one array per stratum, one number per seed; seeds at which either is NaN are left out.
+        a: one array per stratum, one number per seed; seeds at which one is NaN are left out, and those beyond the
+            shortest stratum.
         b: the same strata and seeds.
 
     Returns:
-        p; NaN if a stratum has no pair left. Single episodes have nothing to test: their differences count as they are,
-        p is 0, or 1 if there is none.
+        p; NaN if no seed is left. A single one has nothing to test: its difference counts as it is, p is 0, or 1 if
+        there is none.
     """
-    parts = [np.subtract(one, other) for one, other in zip(a, b, strict=True)]
-    parts = [part[~np.isnan(part)] for part in parts]
-    if not all(len(part) for part in parts):
+    count = min(map(np.size, a))
+    differences = np.mean([np.subtract(x, y)[:count] for x, y in zip(a, b, strict=True)], axis=0)
+    differences = differences[~np.isnan(differences)]
+    if not len(differences):
         return math.nan
-    differences = np.concatenate(parts)
-    if not differences.any():
-        return 1.0
-    if max(len(part) for part in parts) == 1:
-        return float(np.sum(differences) == 0.0)
+    if len(differences) == 1 or not differences.any():
+        return float(not differences.any())
     return float(wilcoxon(differences).pvalue)
 
 
