@@ -83,7 +83,7 @@ def test_an_outlier_does_not_flatten_the_rest() -> None:
 
 
 def test_who_is_tied_is_filled_and_who_is_not_ours_has_a_colour() -> None:
-    episodes = synthetic({"a": [0.9, 0.8] * 3, "b": [0.8, 0.9] * 3, "c": [0.1, 0.1] * 3})
+    episodes = synthetic({"a": [0.9, 0.8] * 5, "b": [0.8, 0.9] * 5, "c": [0.1, 0.1] * 5})
     episodes["origin"] = episodes["compensator"].map({"a": "baseline", "b": YOURS, "c": SUBMISSION})
     (axis,) = ranking_figure(leaderboard(episodes)).axes
     faces = [line.get_markerfacecolor() for line in axis.lines]

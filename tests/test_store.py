@@ -151,7 +151,7 @@ def test_a_failed_run_is_tried_again() -> None:
     Path("ill").unlink()
     well = run_it(protocol)
     assert well.results.episodes["status"].tolist() == ["ok"] * 4
-    assert (well.results.stored, len(trials())) == (0, 5)
+    assert (well.results.stored, len(trials())) == (0, 6)
 
 
 # What is damaged
