@@ -7,7 +7,7 @@ A field takes a float (the same for all joints) or an array with one value per j
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -34,9 +34,8 @@ __all__ = [
     "Value",
     "check_joints",
     "packed",
-    "part_of",
     "per_joint",
-    "stacked",
+    "with_fields",
 ]
 
 
@@ -56,25 +55,11 @@ def per_joint(parameters: Any, dof: int) -> Any:
     return _each(parameters, lambda value: np.broadcast_to(value, (dof,)))
 
 
-def stacked(parameters: Sequence[Parameters], **changes: Array) -> Parameters:
-    """The parameters of n robots, fields (dof,), as one object with fields (n, dof), for who computes a batch.
-
-    Args:
-        parameters: of each robot.
-        changes: fields (n, dof) to have instead.
-    """
-    made = copy.copy(parameters[0])
-    for name in vars(made):
-        field = changes.get(name, np.stack([getattr(each, name) for each in parameters]))
-        object.__setattr__(made, name, field)  # each was checked by itself
-    return made
-
-
-def part_of(parameters: Parameters, rows: slice) -> Parameters:
-    """Those of some of the robots whose parameters were `stacked`."""
+def with_fields(parameters: Parameters, values: Mapping[str, Array]) -> Parameters:
+    """The same parameters with these fields, unchecked: (n, dof) each, of n robots, for who computes a batch."""
     made = copy.copy(parameters)
-    for name, field in vars(made).items():
-        object.__setattr__(made, name, field[rows])
+    for name, field in values.items():
+        object.__setattr__(made, name, field)
     return made
 
 

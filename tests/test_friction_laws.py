@@ -164,7 +164,7 @@ def test_load_temperature_and_chance_act_on_a_laws_own_levels(name: str) -> None
     if hasattr(law, "f_s"):
         assert (drawn.f_s, drawn.v_s) == pytest.approx((2.0 * 2.0, 2e-3))
     own, now = law.packed(1), law.packed(1)
-    type(law).vary(own, now, 0.5, 0.1, 0.3, 2.0)
+    type(law).vary(own, now, 0.5, 0.1, viscous=2.0, stiction=0.3)
     assert (now["f_c"], now["sigma_2"], now["sigma_0"]) == pytest.approx((0.6, 0.8, 1e5))
     if hasattr(law, "f_s"):
         assert now["f_s"] == pytest.approx(0.5 * 1.5 + 0.1 + 0.3)

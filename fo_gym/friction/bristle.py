@@ -60,6 +60,7 @@ def _responding(rate: Any) -> Any:
     """
 
     def respond(v: float, z: Array, h: float, p: Any, memory: Array) -> tuple[float, float]:
+        """See FrictionLaw."""
         first = rate(v, z[0], p)
         w_z, w_v = bristle_mean(first, h)
         a = 0.5 * (first + rate(v, z[0] + h * (v - first * (w_z * z[0] + w_v * v)), p))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from fo_gym.checks import NOT_NEGATIVE, Value, check_values
 from fo_gym.friction.bristle import BristleLaw
 from fo_gym.friction.law import Levels
-from fo_gym.friction.lugre import LuGre
+from fo_gym.friction.lugre import LuGre, check_slips
 
 Array = NDArray[np.float64]
 
@@ -48,8 +48,7 @@ class Dahl(BristleLaw):
 
     def __post_init__(self) -> None:
         check_values(self, **dict.fromkeys(("sigma_0", "sigma_1", "sigma_2", "f_c"), NOT_NEGATIVE))
-        if np.any((np.asarray(self.sigma_0) > 0) & (np.asarray(self.f_c) == 0)):
-            raise ValueError("Dahl.f_c is 0 where sigma_0 is above 0; give f_c > 0, or sigma_0 = 0 for no dry friction")
+        check_slips(self)
 
     def steady(self, v: Value) -> Array:
         """Friction torque tau_f at constant velocity v [m/s | rad/s], in N | N m; it opposes v."""

@@ -169,11 +169,11 @@ class FrictionLaw:
         }
 
     @classmethod
-    def vary(cls, own: Any, values: Any, dry: Any, added: Any, stiction: Any, viscous: Any) -> None:
+    def vary(cls, own: Any, values: Any, dry: Any, added: Any, viscous: Any, stiction: Any) -> None:
         """Write into `values` what loads and temperatures make of the parameters `own`, arrays of the law's `dtype`.
 
-        Coulomb friction and stiction times `dry` plus `added`, stiction plus `stiction` as well, viscous friction times
-        `viscous`; factors, and [N | N m].
+        Coulomb friction and stiction times `dry` plus `added`, viscous friction times `viscous`, stiction plus
+        `stiction` as well; factors, and [N | N m].
         """
         levels = cls.levels
         if levels.coulomb:

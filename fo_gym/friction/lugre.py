@@ -15,7 +15,7 @@ from fo_gym.friction.law import Levels
 
 Array = NDArray[np.float64]
 
-__all__ = ["FRICTIONLESS", "LuGre", "bristle_rate", "check_dry", "dry_friction", "steady_curve"]
+__all__ = ["FRICTIONLESS", "LuGre", "bristle_rate", "check_dry", "check_slips", "dry_friction", "steady_curve"]
 
 
 def dry_friction(v: float, p: Any) -> float:
@@ -57,7 +57,13 @@ def check_dry(law: Any, **others: Bound) -> None:
     name = type(law).__name__
     if np.any(np.asarray(law.f_s) < np.asarray(law.f_c)):
         raise ValueError(f"{name}.f_s is {law.f_s}; stiction must be at least the Coulomb friction f_c = {law.f_c}")
+    check_slips(law)
+
+
+def check_slips(law: Any) -> None:
+    """Raise ValueError where a bristle has no Coulomb friction to slip at."""
     if np.any((np.asarray(law.sigma_0) > 0) & (np.asarray(law.f_c) == 0)):
+        name = type(law).__name__
         raise ValueError(f"{name}.f_c is 0 where sigma_0 is above 0; give f_c > 0, or sigma_0 = 0 for no dry friction")
 
 

@@ -156,7 +156,7 @@ class FlexibleJointPlant:
             viscous: factor on viscous friction, likewise.
             stiction: what is added to stiction alone [N | N m], likewise.
         """
-        type(self._law).vary(self._own_friction, self._friction, dry, added, stiction, viscous)
+        type(self._law).vary(self._own_friction, self._friction, dry, added, viscous, stiction)
 
     def advise(self, ids: NDArray[np.intp], q: Array) -> StepAdvice:
         """The largest micro-step that follows each joint in all of the named environments at q (n, dof), and why."""

@@ -7,7 +7,6 @@ from typing import Any
 
 from fo_gym.certificate.subject import Subject
 from fo_gym.compensators import NoCompensation
-from fo_gym.parameters import FRICTIONLESS
 from fo_gym.reproduction.team import Run, run_team
 
 STICTION, REGULATION, SQUARE = "FJRStiction-v0", "FJRRegulation-v0", "FJRSquare-v0"
@@ -35,7 +34,7 @@ __all__ = [
 def _everybody(subject: Subject, env_id: str, **env_kwargs: Any) -> dict[str, Run]:
     """none, ideal and the paper's six on the nominal episode."""
     kwargs: dict[str, Any] = {"physics_dt": subject.physics_dt, **env_kwargs}
-    ideal = run_team({"ideal": NoCompensation()}, env_id, friction=FRICTIONLESS, **kwargs)
+    ideal = run_team({"ideal": NoCompensation()}, env_id, disturbed=False, **kwargs)
     members = {"none": NoCompensation(), **{name: subject.make(name) for name in PAPER}}
     return ideal | run_team(members, env_id, **kwargs)
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
-from fo_gym.parameters import JointInfo, LuGre, per_joint, stacked
+import numpy as np
+
+from fo_gym.friction import LuGre
+from fo_gym.parameters import JointInfo, with_fields
 from fo_gym.simulation.simulation import Simulation
 
 __all__ = ["privileged_info"]
@@ -15,12 +18,11 @@ def privileged_info(simulation: Simulation) -> JointInfo:
 
     Where that is of another law than LuGre, nothing else is told than to everybody.
     """
-    drawn = [per_joint(scenario.friction, simulation.dof) for scenario in simulation.scenarios]
-    if not all(isinstance(friction, LuGre) for friction in drawn):
+    drawn = [each.friction for each in simulation.scenarios if isinstance(each.friction, LuGre)]
+    if len(drawn) < simulation.num_envs:
         return simulation.joint_info
-    change, own = simulation.hardware_model.friction_change, stacked(drawn)
-    f_c = change.dry * own.f_c + change.added
-    f_s = change.dry * own.f_s + change.added + change.stiction
-    return replace(
-        simulation.joint_info, identified=stacked(drawn, f_c=f_c, f_s=f_s, sigma_2=change.viscous * own.sigma_2)
-    )
+    own = np.stack([friction.packed(simulation.dof) for friction in drawn])
+    now = own.copy()
+    LuGre.vary(own, now, *simulation.hardware_model.friction_change)
+    identified = with_fields(drawn[0], {name: now[name] for name in (each.name for each in fields(LuGre))})
+    return replace(simulation.joint_info, identified=identified)

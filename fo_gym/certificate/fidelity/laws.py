@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.certificate.cases import FRICTION
-from fo_gym.certificate.law import creep, settles, solver_error
+from fo_gym.certificate.law import SOLVER, creep, settles, solver_error
 from fo_gym.certificate.presliding import PIECES, friction_on, tendons_on, vibrated, way
 from fo_gym.certificate.statement import Finding, Measure, at_least, at_most, check, near
 from fo_gym.certificate.subject import Subject
@@ -27,6 +27,9 @@ LAWS: dict[str, FrictionLaw] = {
 
 EVERY: dict[str, FrictionLaw] = {"lugre": FRICTION, **LAWS}
 
+HOLD = ("elasto-plastic", "maxwell-slip")
+"""Those that do not drift under a vibrating load."""
+
 STICTION = float(FRICTION.f_s)
 
 EQUATIONS = "LSODA on the law's equations, stopped where they change"
@@ -40,7 +43,7 @@ _solver_error = cache(solver_error)
 def _follows(name: str) -> Measure:
     def _measured(subject: Subject) -> Finding:
         error, size = _solver_error(LAWS[name], subject.physics_dt)
-        return at_most(error, 2e-6, "m", f"largest distance of link and motor from the solver, of {size:.2g} m")
+        return at_most(error, SOLVER, "m", f"largest distance of link and motor from the solver, of {size:.2g} m")
 
     return _measured
 
@@ -99,19 +102,17 @@ def _drift(name: str) -> Measure:
     def _measured(subject: Subject) -> Finding:
         speed = 1e6 * vibrated(EVERY[name], FRICTION, subject.physics_dt)
         measured = f"mean speed over 10 s, 2 s after the start; {10 * speed:.3g} um in that time"
-        holds = name in ("elasto-plastic", "maxwell-slip")
-        return at_most(speed, 1e-6, "um/s", measured) if holds else at_least(speed, 10.0, "um/s", measured)
+        return at_most(speed, 1e-6, "um/s", measured) if name in HOLD else at_least(speed, 10.0, "um/s", measured)
 
     return _measured
 
 
 for _name in EVERY:
-    _holds = _name in ("elasto-plastic", "maxwell-slip")
     check(
         f"law-{_name}-vibration",
         source="Dupont et al. 2002: elasto-plastic presliding does not drift, LuGre's does",
         text=f"Under a load of (0.4 + 0.2 sin 20 pi t) f_c, below break-away, {_name} friction "
-        + ("holds: less than 1 pm/s." if _holds else "lets the motor drift, by more than 10 um/s."),
+        + ("holds: less than 1 pm/s." if _name in HOLD else "lets the motor drift, by more than 10 um/s."),
     )(_drift(_name))
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.compensators import Compensator, is_privileged
-from fo_gym.parameters import JointInfo, part_of
+from fo_gym.parameters import JointInfo, with_fields
 from fo_gym.signals import Signals
 
 Array = NDArray[np.float64]
@@ -62,7 +62,8 @@ def _of(batch: Batch, rows: slice) -> Batch:
     if isinstance(batch, Signals) and batch.truth is not None:
         parts["truth"] = {name: part[rows] for name, part in batch.truth.items()}
     if isinstance(batch, JointInfo) and batch.identified is not None and np.ndim(batch.identified.f_c) > 1:
-        parts["identified"] = part_of(batch.identified, rows)
+        own = {name: field[rows] for name, field in vars(batch.identified).items()}
+        parts["identified"] = with_fields(batch.identified, own)
     return replace(batch, **parts)
 
 

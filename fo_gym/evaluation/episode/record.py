@@ -40,7 +40,7 @@ class Motion:
         return self.theta if self.tool is None else self.tool
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Episode:
     """One episode of one competitor, with the two references that its score needs.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any, cast
 
 import gymnasium as gym
@@ -19,13 +19,14 @@ from fo_gym.evaluation.episode.recording import Recording
 from fo_gym.evaluation.episode.stored import stored_energy
 from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.signals import Signals
+from fo_gym.simulation.past_step import PastStep
 
 Array = NDArray[np.float64]
 
 _TICK_SIGNALS = ("theta_n", "theta_n_dot", "theta_d", "reference")
 _TICK_TRUTH = ("theta", "theta_dot", "q", "q_dot")
 _JOINT_TICKS = ("theta", "theta_dot", "q", "q_dot", "theta_n", "theta_n_dot", "theta_d")
-_PERIOD_TRUTH = ("tau_f_hat", "tau_m", "tau_f", "tau_dist", "tau_ext")
+_PERIOD_TRUTH = tuple(each.name for each in fields(PastStep))
 
 __all__ = ["record"]
 

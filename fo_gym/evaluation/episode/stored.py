@@ -56,8 +56,7 @@ def _start(simulation: Simulation, i: int, ticks: int) -> int:
 def _energy(simulation: Simulation, q: Array, q_dot: Array, theta: Array, theta_dot: Array) -> Array:
     """The energy of links and motors in these states, (n, dof) each -> (n,)."""
     body, control = simulation.plant.body, simulation.control
-    inertia = np.array([np.broadcast_to(each.joints.motor_inertia, q.shape[1:]) for each in simulation.scenarios])
-    spring = np.array([np.broadcast_to(each.joints.stiffness, q.shape[1:]) for each in simulation.scenarios])
+    inertia, spring = simulation.plant.motor_inertia, simulation.plant.stiffness
     still = np.zeros_like(theta)
     tau_j = spring * (theta - q)
     force = np.concatenate([tau_j - body.gravity(q), control.torque(theta, still) - tau_j], axis=1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -127,6 +128,7 @@ def _rest_window(episode: Episode) -> slice | None:
     return window if window.stop <= len(episode.theta_d) else None
 
 
+@lru_cache(maxsize=1)  # three metrics of an episode ask, one after the other
 def _limit_cycles(episode: Episode) -> Array | None:
     """Motion that friction adds in the limit-cycle window, without creep, (ticks, dof); None without a window."""
     window = _rest_window(episode)

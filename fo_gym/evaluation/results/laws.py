@@ -11,7 +11,7 @@ import pandas as pd
 from fo_gym.evaluation.runs.contest import law_of_robot
 from fo_gym.evaluation.runs.episodes import label_of
 from fo_gym.evaluation.runs.protocol import Protocol
-from fo_gym.specs import BUILT_IN, spec_of
+from fo_gym.specs import spec_of
 from fo_gym.text import markdown_table, markdown_text
 
 __all__ = ["Conclusion", "conclusions", "finding", "laws_page", "over_laws"]
@@ -59,8 +59,7 @@ def conclusions(protocol: Protocol, table: pd.DataFrame) -> list[Conclusion]:
     found = []
     for place, by_law in over_laws(protocol, table):
         first, *others = by_law
-        names = [str(name) for name in by_law[first].index if name not in BUILT_IN]
-        for a, b in combinations(names, 2):
+        for a, b in combinations(map(str, by_law[first].index), 2):
             if said := _order(by_law[first], a, b):
                 better, worse = (a, b) if said > 0 else (b, a)
                 under = {law: _order(by_law[law], better, worse) for law in others}
@@ -69,7 +68,7 @@ def conclusions(protocol: Protocol, table: pd.DataFrame) -> list[Conclusion]:
 
 
 def _order(rows: pd.DataFrame, a: str, b: str) -> int:
-    """1 where a is better than b, -1 where it is worse, 0 where they are tied, or one has no score."""
+    """1 where a is better than b, -1 where it is worse, 0 where they are tied, or one has no rank, as references."""
     if rows["rank"].reindex([a, b]).isna().any() or set(rows["tied_group"][a]) & set(rows["tied_group"][b]):
         return 0
     return 1 if rows["rank"][a] < rows["rank"][b] else -1
