@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.checks import NOT_NEGATIVE, POSITIVE, Value, check_numbers, check_values
-from fo_gym.friction import FRICTIONLESS, LuGre
+from fo_gym.friction import LuGre
 
 Array = NDArray[np.float64]
 Parameters = TypeVar("Parameters")
@@ -24,14 +24,11 @@ JOINT = ("stiffness", "damping", "motor_inertia")
 """Columns of `packed`."""
 
 __all__ = [
-    "FRICTIONLESS",
     "JOINT",
     "FlexibleJoint",
     "ImpedanceGains",
     "JointInfo",
-    "LuGre",
     "PDGains",
-    "Value",
     "check_joints",
     "packed",
     "per_joint",

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from fo_gym.parameters import FRICTIONLESS, FlexibleJoint, LuGre
+from fo_gym.friction import FRICTIONLESS, LuGre
+from fo_gym.parameters import FlexibleJoint
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.robots import LinkSide
 

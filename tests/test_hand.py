@@ -14,7 +14,7 @@ from arms import SIX, arm, miro
 from scipy.integrate import solve_ivp
 
 import fo_gym
-from fo_gym.parameters import FRICTIONLESS
+from fo_gym.friction import FRICTIONLESS
 from fo_gym.plant.rigid_body import ToolPose
 from fo_gym.robots.poses import Poses
 from fo_gym.simulation.hands import Hands

@@ -11,7 +11,7 @@ import pytest
 from arms import SIX, arm, miro
 
 from fo_gym.control.design import designed_pd
-from fo_gym.parameters import FRICTIONLESS
+from fo_gym.friction import FRICTIONLESS
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.robots import Robot
 from fo_gym.robots.poses import Poses, joint_range

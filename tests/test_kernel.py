@@ -7,10 +7,11 @@ import pytest
 from scipy.linalg import expm
 
 from fo_gym.certificate.experiments import PAPER, Joint, full_triangle
+from fo_gym.friction import LuGre
 from fo_gym.friction.bristle import bristle_step
 from fo_gym.friction.lugre import bristle_rate
 from fo_gym.micro_steps import DEFAULT_PHYSICS_DT as H
-from fo_gym.parameters import JOINT, LuGre
+from fo_gym.parameters import JOINT
 from fo_gym.plant.kernel import MOTION
 from fo_gym.plant.kernels import kernel_of
 

@@ -9,10 +9,11 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from fo_gym.certificate.experiments import Joint
+from fo_gym.friction import LuGre
 from fo_gym.friction.bristle import bristle_mean, bristle_step
 from fo_gym.friction.lugre import bristle_rate
 from fo_gym.micro_steps import DEFAULT_PHYSICS_DT as H
-from fo_gym.parameters import JOINT, LuGre
+from fo_gym.parameters import JOINT
 
 NO_FRICTION = {"sigma_0": 0.0, "sigma_1": 0.0, "sigma_2": 0.0, "f_c": 0.0, "f_s": 0.0, "v_s": 1.0}
 

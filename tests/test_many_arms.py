@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fo_gym
-from fo_gym.parameters import LuGre
+from fo_gym.friction import LuGre
 from fo_gym.reproduction.arms import ARM, FRICTION, run_arms
 from fo_gym.reproduction.runs import REGULATION
 from fo_gym.reproduction.sensitivity import AS_IT_IS, Variation, finding

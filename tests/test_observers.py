@@ -22,7 +22,7 @@ from baselines.l1_observer import l1
 from baselines.letien2008 import letien_high, letien_low
 from baselines.lugre1995 import MISMATCH, lugre_nominal, lugre_off
 from baselines.lugre_adaptive import lugre_adaptive
-from fo_gym.parameters import LuGre
+from fo_gym.friction import LuGre
 
 NEW = (
     kimchung,

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from pendulum import FRICTION, JOINTS, MakeRobot
 
-from fo_gym.parameters import FlexibleJoint, ImpedanceGains, LuGre, PDGains, per_joint
+from fo_gym.friction import LuGre
+from fo_gym.parameters import FlexibleJoint, ImpedanceGains, PDGains, per_joint
 from fo_gym.plant import FlexibleJointPlant
 
 GOOD = {

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from arms import SIX, arm, miro
 
-from fo_gym.parameters import FRICTIONLESS
+from fo_gym.friction import FRICTIONLESS
 from fo_gym.robots.poses import Poses, scaled, tool_rows
 from fo_gym.tasks.kinematics import path_table
 from fo_gym.tasks.square_fit import GRAVITY_CHANGE, LARGEST_SIDE, SINGULAR, fitted_square

@@ -10,7 +10,7 @@ import pytest
 
 import fo_gym
 from fo_gym.compensators import NoCompensation
-from fo_gym.parameters import FRICTIONLESS
+from fo_gym.friction import FRICTIONLESS
 from fo_gym.reproduction.runs import PAPER
 from fo_gym.reproduction.team import run_team
 

@@ -19,8 +19,9 @@ from scipy.integrate import ODEintWarning
 
 from envs_assets import asset_path
 from fo_gym.certificate.oracle import Control, SingleLink, sampled
+from fo_gym.friction import LuGre
 from fo_gym.micro_steps import PhysicsDt
-from fo_gym.parameters import FlexibleJoint, LuGre
+from fo_gym.parameters import FlexibleJoint
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.robots import LinkSide
 

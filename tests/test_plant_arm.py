@@ -7,7 +7,8 @@ import pytest
 
 from envs_assets import asset_path
 from fo_gym.certificate.oracle import Arm, Control, sampled
-from fo_gym.parameters import FRICTIONLESS, FlexibleJoint, LuGre
+from fo_gym.friction import FRICTIONLESS, LuGre
+from fo_gym.parameters import FlexibleJoint
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.robots import LinkSide, robot_of
 

@@ -13,7 +13,7 @@ from pendulum import FRICTION, JOINTS, POSE, MakeRobot, drive, plant_of, varied,
 
 from fo_gym.certificate.cases import WITHOUT_FRICTION
 from fo_gym.certificate.oracle import Arm, Control, sampled
-from fo_gym.parameters import FRICTIONLESS, LuGre
+from fo_gym.friction import FRICTIONLESS, LuGre
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.robots import LinkSide
 

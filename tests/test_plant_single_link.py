@@ -11,7 +11,7 @@ from single_link import CASES, link_of
 
 from fo_gym.certificate.cases import FRICTION, JOINT, LINK, link_case
 from fo_gym.certificate.oracle import Control, sampled
-from fo_gym.parameters import FRICTIONLESS
+from fo_gym.friction import FRICTIONLESS
 from fo_gym.plant import FlexibleJointPlant
 
 STICKING = [name for name in CASES if name != "no-friction"]

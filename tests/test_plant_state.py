@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from pendulum import FRICTION, JOINTS, POSE, MakeRobot, drive, plant_of, varied
 
-from fo_gym.parameters import FRICTIONLESS
+from fo_gym.friction import FRICTIONLESS
 
 
 def test_set_state_continues_exactly(pendulum: MakeRobot) -> None:

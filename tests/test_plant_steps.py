@@ -12,8 +12,8 @@ import pytest
 from mujoco_arm import MujocoArm, dense_inertia
 from pendulum import FRICTION, JOINTS, POSE, MakeRobot, plant_of
 
+from fo_gym.friction import FRICTIONLESS
 from fo_gym.micro_steps import micro_steps
-from fo_gym.parameters import FRICTIONLESS
 from fo_gym.plant import FlexibleJointPlant
 
 

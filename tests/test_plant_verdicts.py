@@ -8,7 +8,7 @@ from single_link import CASES, TARGET, link_of
 
 from fo_gym.certificate.cases import FRICTION, JOINT, LINK
 from fo_gym.certificate.oracle import Control, continuous
-from fo_gym.parameters import FRICTIONLESS
+from fo_gym.friction import FRICTIONLESS
 from fo_gym.plant import FlexibleJointPlant
 
 pytestmark = pytest.mark.slow

@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 from robot_files import CRANE, PUSHER, URDF, ur5e
 
-from fo_gym.parameters import FRICTIONLESS, FlexibleJoint
+from fo_gym.friction import FRICTIONLESS
+from fo_gym.parameters import FlexibleJoint
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.robots import Robot

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from pendulum import FRICTION, JOINTS, POSE, MakeRobot, drive, plant_of, varied
 
-from fo_gym.parameters import FRICTIONLESS, per_joint
+from fo_gym.friction import FRICTIONLESS
+from fo_gym.parameters import per_joint
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.robots import LinkSide
 

@@ -15,7 +15,7 @@ from fo_gym.certificate.subject import Subject
 from fo_gym.compensators import NoCompensation
 from fo_gym.evaluation.runs.seeds import VALIDATION_SEEDS, first
 from fo_gym.files import atomic, csv
-from fo_gym.parameters import FRICTIONLESS
+from fo_gym.friction import FRICTIONLESS
 from fo_gym.reproduction.arms import Arm, run_arms
 from fo_gym.reproduction.runs import PAPER
 from fo_gym.reproduction.sensitivity import Runs, held_arms, square_arms

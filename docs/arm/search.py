@@ -18,7 +18,7 @@ from scipy.stats import qmc
 
 import fo_gym
 from fo_gym.files import atomic, csv
-from fo_gym.parameters import LuGre
+from fo_gym.friction import LuGre
 from fo_gym.reproduction.arms import ARM, Arm, run_arms
 from fo_gym.reproduction.runs import PAPER
 from fo_gym.simulation.settings import Settings

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.certificate.oracle import Arm, Control, SingleLink
-from fo_gym.parameters import FlexibleJoint, LuGre, one_joint, per_joint
+from fo_gym.friction import LuGre
+from fo_gym.parameters import FlexibleJoint, one_joint, per_joint
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.robots import LinkSide, robot_of
 

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.friction import FrictionLaw
+from fo_gym.friction import FrictionLaw, LuGre
 from fo_gym.friction.bristle import bristle_step
 from fo_gym.friction.lugre import bristle_rate
 from fo_gym.micro_steps import DEFAULT_PHYSICS_DT, micro_steps
-from fo_gym.parameters import JOINT, LuGre
+from fo_gym.parameters import JOINT
 from fo_gym.plant.kernel import MOTION
 from fo_gym.plant.kernels import kernel_of
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.checks import NOT_NEGATIVE, POSITIVE, check_values
+from fo_gym.checks import NOT_NEGATIVE, POSITIVE, Value, check_values
 from fo_gym.hardware.effect import Effect, Episodes
-from fo_gym.parameters import Value, check_joints
+from fo_gym.parameters import check_joints
 
 __all__ = ["LinkFriction"]
 

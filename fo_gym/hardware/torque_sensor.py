@@ -10,10 +10,10 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.checks import NOT_NEGATIVE, POSITIVE_OR_INFINITE, check_numbers, check_values
+from fo_gym.checks import NOT_NEGATIVE, POSITIVE_OR_INFINITE, Value, check_numbers, check_values
 from fo_gym.hardware.effect import Effect, Episodes, Readings
 from fo_gym.hardware.low_pass import weight
-from fo_gym.parameters import Value, check_joints
+from fo_gym.parameters import check_joints
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from fo_gym.certificate.cases import ARM
 from fo_gym.compensators import Compensator
 from fo_gym.evaluation.competitors.team import Team, alike
-from fo_gym.parameters import LuGre
+from fo_gym.friction import LuGre
 from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.signals import Signals
 from fo_gym.simulation.settings import Settings

@@ -11,7 +11,8 @@ from fo_gym.certificate.cases import FRICTION, JOINT
 from fo_gym.compensators import Compensator
 from fo_gym.control.motor_pd import MotorPD
 from fo_gym.control.nominal_motor import NominalMotor
-from fo_gym.parameters import FlexibleJoint, JointInfo, LuGre, PDGains, one_joint
+from fo_gym.friction import LuGre
+from fo_gym.parameters import FlexibleJoint, JointInfo, PDGains, one_joint
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.robots import robot_of
 from fo_gym.signals import Signals

@@ -12,7 +12,7 @@ import numpy as np
 from fo_gym.certificate.statement import Finding
 from fo_gym.certificate.subject import Subject
 from fo_gym.compensators import NoCompensation
-from fo_gym.parameters import FRICTIONLESS, LuGre
+from fo_gym.friction import FRICTIONLESS, LuGre
 from fo_gym.reproduction.arms import ARM, FRICTION, Arm, run_arms
 from fo_gym.reproduction.runs import PAPER
 from fo_gym.simulation.settings import Settings

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.checks import Value
 from fo_gym.friction import FrictionLaw, LuGre
 from fo_gym.micro_steps import DEFAULT_PHYSICS_DT, LIMITS, advise_steps
-from fo_gym.parameters import FlexibleJoint, PDGains, Value, packed
+from fo_gym.parameters import FlexibleJoint, PDGains, packed
 from fo_gym.robots.home import SINGULAR, conditioning, room
 from fo_gym.robots.link_side import LinkSide
 from fo_gym.robots.poses import Poses

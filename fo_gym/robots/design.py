@@ -19,7 +19,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.parameters import FlexibleJoint, LuGre
+from fo_gym.friction import LuGre
+from fo_gym.parameters import FlexibleJoint
 from fo_gym.robots.poses import Poses
 
 Array = NDArray[np.float64]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.friction import LuGre
 from fo_gym.hardware import (
     CommandDelay,
     GearRipple,
@@ -18,7 +19,7 @@ from fo_gym.hardware import (
     TorqueSaturation,
     TorqueSensor,
 )
-from fo_gym.parameters import FlexibleJoint, LuGre
+from fo_gym.parameters import FlexibleJoint
 
 Array = NDArray[np.float64]
 

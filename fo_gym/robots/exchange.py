@@ -10,9 +10,9 @@ from typing import Any
 import tomlkit
 
 from fo_gym.checks import shown, text
-from fo_gym.friction import law_class, law_name
+from fo_gym.friction import LuGre, law_class, law_name
 from fo_gym.hardware import Hardware
-from fo_gym.parameters import FlexibleJoint, ImpedanceGains, LuGre, PDGains
+from fo_gym.parameters import FlexibleJoint, ImpedanceGains, PDGains
 from fo_gym.robots.file import existing_file
 from fo_gym.robots.quantities import read_parts, read_quantity, table_of
 from fo_gym.toml import read_toml

@@ -8,7 +8,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.parameters import FlexibleJoint, LuGre
+from fo_gym.friction import LuGre
+from fo_gym.parameters import FlexibleJoint
 from fo_gym.robots.editing import counts
 from fo_gym.robots.report import Notes
 from fo_gym.robots.survey import Survey

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.checks import instance, real_array
+from fo_gym.friction import LuGre
 from fo_gym.hardware import Hardware
-from fo_gym.parameters import FlexibleJoint, LuGre, per_joint
+from fo_gym.parameters import FlexibleJoint, per_joint
 from fo_gym.robots.choosing import (
     check_home,
     check_ranges,

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.checks import instance, real_array, shown, text
-from fo_gym.friction import FrictionLaw
+from fo_gym.friction import FrictionLaw, LuGre
 from fo_gym.hardware import Effect, Hardware
-from fo_gym.parameters import FlexibleJoint, ImpedanceGains, LuGre, PDGains, per_joint
+from fo_gym.parameters import FlexibleJoint, ImpedanceGains, PDGains, per_joint
 from fo_gym.robots.advice import Advice, advice
 from fo_gym.robots.exchange import read_robot, robot_text
 from fo_gym.robots.link_side import LinkSide

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.checks import FINITE, NOT_NEGATIVE, POSITIVE, check_numbers, check_values
+from fo_gym.checks import FINITE, NOT_NEGATIVE, POSITIVE, Value, check_numbers, check_values
 from fo_gym.control.design import designed_pd
 from fo_gym.control.motor_pd import MotorPD
-from fo_gym.parameters import PDGains, Value, check_joints
+from fo_gym.parameters import PDGains, check_joints
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.robots import LinkSide, Robot

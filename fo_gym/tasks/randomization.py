@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from fo_gym.checks import NOT_NEGATIVE, POSITIVE, check_ranges, check_values
-from fo_gym.parameters import Value
+from fo_gym.checks import NOT_NEGATIVE, POSITIVE, Value, check_ranges, check_values
 
 Range = tuple[float, float]
 

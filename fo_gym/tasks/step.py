@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.checks import FINITE, NOT_NEGATIVE, check_values, number
+from fo_gym.checks import FINITE, NOT_NEGATIVE, Value, check_values, number
 from fo_gym.control.design import designed_pd
 from fo_gym.control.motor_pd import MotorPD
-from fo_gym.parameters import PDGains, Value, check_joints
+from fo_gym.parameters import PDGains, check_joints
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.robots import Robot
 from fo_gym.tasks.control import believed, joint_distance

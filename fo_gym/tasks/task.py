@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.checks import NOT_NEGATIVE, POSITIVE, check_ranges, check_values, instance, number, shown
+from fo_gym.checks import NOT_NEGATIVE, POSITIVE, Value, check_ranges, check_values, instance, number, shown
 from fo_gym.hardware import PushTime
-from fo_gym.parameters import ImpedanceGains, PDGains, Value
+from fo_gym.parameters import ImpedanceGains, PDGains
 from fo_gym.robots import Robot
 from fo_gym.tasks.hand import Hand
 from fo_gym.tasks.randomization import Randomization

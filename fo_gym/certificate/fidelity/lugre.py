@@ -14,7 +14,7 @@ from fo_gym.certificate.experiments import SAMPLE, Trace
 from fo_gym.certificate.oracle import lugre
 from fo_gym.certificate.statement import Finding, at_most, check, near
 from fo_gym.certificate.subject import Subject
-from fo_gym.parameters import LuGre
+from fo_gym.friction import LuGre
 
 Array = NDArray[np.float64]
 

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from fo_gym.certificate.cases import FRICTION, JOINT
 from fo_gym.certificate.statement import Finding, at_least, at_most
 from fo_gym.certificate.subject import Subject
-from fo_gym.parameters import JointInfo, LuGre
+from fo_gym.friction import LuGre
+from fo_gym.parameters import JointInfo
 from fo_gym.reproduction.claim import claim
 from fo_gym.reproduction.runs import PAPER, STICTION, panels
 from fo_gym.reproduction.team import Run, run_team

@@ -12,7 +12,7 @@ from fo_gym.certificate.statement import Finding, at_most
 from fo_gym.certificate.subject import Subject
 from fo_gym.evaluation.episode.recorder import record
 from fo_gym.evaluation.runs.seeds import VALIDATION_SEEDS, first
-from fo_gym.parameters import LuGre
+from fo_gym.friction import LuGre
 from fo_gym.reproduction.claim import claim
 from fo_gym.reproduction.loop import Motion, run_loop
 from fo_gym.reproduction.runs import GAINS, STICTION, panels

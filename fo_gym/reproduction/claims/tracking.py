@@ -7,7 +7,7 @@ import numpy as np
 from fo_gym.certificate.statement import Finding, near
 from fo_gym.certificate.subject import Subject
 from fo_gym.compensators import NoCompensation
-from fo_gym.parameters import FRICTIONLESS
+from fo_gym.friction import FRICTIONLESS
 from fo_gym.reproduction.claim import claim
 from fo_gym.reproduction.loop import run_loop
 

@@ -15,7 +15,8 @@ from fo_gym.evaluation.competitors.guard.channel import BEGIN, DECLARE, DONE, RA
 from fo_gym.evaluation.competitors.guard.frames import place_of, traceback_of
 from fo_gym.evaluation.competitors.guard.memory import views
 from fo_gym.evaluation.episode.faults import LONGEST_TEXT
-from fo_gym.parameters import JointInfo, LuGre
+from fo_gym.friction import LuGre
+from fo_gym.parameters import JointInfo
 from fo_gym.signals import Signals
 
 _RESERVE = 16 << 20
