@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from dataclasses import fields
 from types import SimpleNamespace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,7 +25,16 @@ from fo_gym.checks import NOT_NEGATIVE, POSITIVE, number, real_array, shown
 
 Array = NDArray[np.float64]
 
-__all__ = ["MISMATCH", "LuGreIdentified", "LuGreObserver", "checked_friction", "lugre_nominal", "lugre_off", "model_of"]
+__all__ = [
+    "MISMATCH",
+    "LuGreIdentified",
+    "LuGreObserver",
+    "checked_friction",
+    "lugre_nominal",
+    "lugre_off",
+    "model_of",
+    "stribeck",
+]
 
 MISMATCH = 1.0 + np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0]) * np.random.default_rng(1995).uniform(0.2, 0.3, 6)
 """Factors on sigma_0, sigma_1, sigma_2, f_c, f_s, v_s: off by 20 to 30 %, in turn up and down; drawn from seed 1995."""
@@ -62,6 +71,12 @@ def model_of(owner: object, friction: LuGre | None, joints: JointInfo) -> LuGre:
                 f"the {joints.dof}"
             )
     return model
+
+
+def stribeck(model: Any, v: Array) -> Array:
+    """g(v) of a LuGre model, above 0 [N | N m]."""
+    g = model.f_c + (model.f_s - model.f_c) * np.exp(-np.square(v / model.v_s))
+    return np.maximum(g, np.finfo(float).tiny)
 
 
 def _off(friction: LuGre, factors: Array) -> SimpleNamespace:
@@ -116,9 +131,8 @@ class LuGreObserver:
     def estimate(self, signals: Signals) -> Array:
         """tau_f_hat, (num_envs, dof), N or N m."""
         p, v = self._model, signals.theta_dot
-        g = p.f_c + (p.f_s - p.f_c) * np.exp(-np.square(v / p.v_s))
         drive = v - self.k * (signals.theta - signals.theta_d)
-        z = (self._z + self._dt * drive) / (1.0 + self._dt * p.sigma_0 * np.abs(v) / g)
+        z = (self._z + self._dt * drive) / (1.0 + self._dt * p.sigma_0 * np.abs(v) / stribeck(p, v))
         z_dot = (z - self._z) / self._dt
         self._z = z
         return -(self.dry * (p.sigma_0 * z + p.sigma_1 * z_dot) + self.viscous * p.sigma_2 * v)
@@ -134,6 +148,7 @@ class LuGreIdentified(LuGreObserver):
     """
 
     privileged = True
+    search_space: ClassVar[dict[str, tuple[float, float]]] = {}
 
     def __init__(self, k: float = 1e-3) -> None:
         super().__init__(k=k)

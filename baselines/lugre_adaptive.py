@@ -45,7 +45,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baselines.gains import check_bandwidth, check_gain, check_share
-from baselines.lugre1995 import checked_friction, model_of
+from baselines.lugre1995 import checked_friction, model_of, stribeck
 from fo_gym import JointInfo, LuGre, Signals
 
 Array = NDArray[np.float64]
@@ -121,8 +121,7 @@ class AdaptiveLuGreObserver:
     def _dry(self, moved: Array, v: Array) -> Array:
         """Dry friction at level 1, (num_envs, dof), after the bristles were moved along [m | rad]."""
         p = self._model
-        g = np.maximum(p.f_c + (p.f_s - p.f_c) * np.exp(-np.square(v / p.v_s)), np.finfo(float).tiny)
-        z = (self._z + moved) / (1.0 + p.sigma_0 * np.abs(moved) / g)
+        z = (self._z + moved) / (1.0 + p.sigma_0 * np.abs(moved) / stribeck(p, v))
         dry = p.sigma_0 * z + p.sigma_1 * (z - self._z) / self._dt
         self._z = z
         return dry

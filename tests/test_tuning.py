@@ -7,19 +7,21 @@ import re
 import shlex
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
 
-import numpy as np
 import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
 import baselines
-from fo_gym import make_compensator
+from fo_gym import CompensatorError, make_compensator
 from fo_gym.cli import app
 from fo_gym.evaluation.competitors.entry import load_entry, shipped_entries
-from fo_gym.evaluation.runs.episodes import EpisodeSet
+from fo_gym.evaluation.runs.processor import processor
 from fo_gym.evaluation.runs.protocol import load_protocol
-from fo_gym.evaluation.runs.seeds import LEADERBOARD_SEEDS, TRAINING_SEEDS, TUNING_SEEDS, VALIDATION_SEEDS
+from fo_gym.evaluation.runs.seeds import LEADERBOARD_SEEDS, TRAINING_SEEDS, TUNING_SEEDS, VALIDATION_SEEDS, first
+from fo_gym.evaluation.runs.store import Store
+from fo_gym.evaluation.runs.trial import Trial, failed_trial
 from fo_gym.tuning import study as study_module
 from fo_gym.tuning.run import tune
 from fo_gym.tuning.space import default_gains, search_space
@@ -41,28 +43,36 @@ def synthetic(monkeypatch):
     """A score without simulation, which notes the seeds that it was made for and the gains that it saw."""
     seen = {"seeds": [], "gains": []}
 
-    class Scorer:
-        def __init__(self, case, seeds):
-            seen["seeds"].append(seeds)
+    def run(episodes, competitors, references):
+        seen["seeds"].append(episodes.seeds)
+        seen["gains"] += [dict(each.gains) for each in competitors]
+        return [trial_of(seen.get("quality", quality)(each.gains)) for each in competitors]
 
-        def __call__(self, gains):
-            seen["gains"].append(dict(gains))
-            return seen.get("quality", quality)(gains)
-
-    monkeypatch.setattr(study_module, "_Scorer", Scorer)
+    monkeypatch.setattr(study_module, "references_of", lambda episodes: (SimpleNamespace(motions=()),) * 2)
+    monkeypatch.setattr(study_module, "trials_together", run)
     return seen
+
+
+def trial_of(*frr):
+    """A trial with these scores, one for each episode."""
+    return Trial(pd.DataFrame({"frr": frr, "status": "ok", "processor": processor()}), None, ())
+
+
+def kept_in(folder):
+    """A store that must not complain."""
+    return Store(folder, notice=pytest.fail)
 
 
 class TestSearch:
     def test_it_starts_from_what_was_published_and_gets_better(self, synthetic, tmp_path):
-        outcome = run_study(CASE, tmp_path)
+        outcome = run_study(CASE, kept_in(tmp_path))
         first = outcome.trials.iloc[0]
         assert {name: first[name] for name in BEST} == {"L": 100.0, "Lp": 20.0, "Li": 100.0}
         assert outcome.trials["frr_tuning"].max() > first["frr_tuning"]
         assert quality(outcome.gains) == outcome.trials["frr_validation"].max()
 
     def test_only_trials_that_the_compensator_accepts_count(self, synthetic, tmp_path):
-        outcome = run_study(CASE, tmp_path)
+        outcome = run_study(CASE, kept_in(tmp_path))
         assert len(outcome.trials) == CASE.trials
         for gains in outcome.trials[list(BEST)].to_dict("records"):
             make_compensator("pid-high", **gains)
@@ -71,11 +81,12 @@ class TestSearch:
 
     def test_where_nothing_is_better_the_published_gains_stay(self, synthetic, tmp_path):
         synthetic["quality"] = lambda gains: float(gains == default_gains("pid-high"))
-        assert dict(run_study(CASE, tmp_path).gains) == default_gains("pid-high")
+        assert dict(run_study(CASE, kept_in(tmp_path)).gains) == default_gains("pid-high")
 
     def test_seeds_of_the_leaderboard_are_never_used(self, synthetic, tmp_path):
-        run_study(CASE, tmp_path)
-        tuning, validation = synthetic["seeds"]
+        run_study(CASE, kept_in(tmp_path))
+        *searched, validation = synthetic["seeds"]
+        (tuning,) = set(searched)
         assert tuning == tuple(TUNING_SEEDS[:2])
         assert validation == tuple(VALIDATION_SEEDS[: CASE.final_episodes])
         splits = (TRAINING_SEEDS, VALIDATION_SEEDS, TUNING_SEEDS, LEADERBOARD_SEEDS)
@@ -84,33 +95,36 @@ class TestSearch:
                 assert one is other or one.stop <= other.start or other.stop <= one.start
 
     def test_finalists_meet_again_on_validation_seeds(self, synthetic, tmp_path):
-        trials = run_study(CASE, tmp_path).trials
+        trials = run_study(CASE, kept_in(tmp_path)).trials
         met = trials[trials["frr_validation"].notna()]
         expected = {0, *trials["frr_tuning"].nlargest(study_module.FINALISTS).index}
         assert set(met.index) == expected
 
     def test_a_killed_search_goes_on_as_if_it_had_not_been(self, synthetic, tmp_path):
         def stop(gains):
-            if len(synthetic["gains"]) == 5:
+            if len(synthetic["gains"]) > study_module.TOGETHER:
                 raise KeyboardInterrupt
             return quality(gains)
 
-        whole = run_study(CASE, tmp_path / "whole").trials
+        whole = run_study(CASE, kept_in(tmp_path / "whole")).trials
         synthetic["gains"].clear()
         synthetic["quality"] = stop
         with pytest.raises(KeyboardInterrupt):
-            run_study(CASE, tmp_path / "killed")
+            run_study(CASE, kept_in(tmp_path / "killed"))
         synthetic["quality"] = quality
-        pd.testing.assert_frame_equal(run_study(CASE, tmp_path / "killed").trials, whole)
+        synthetic["gains"].clear()
+        pd.testing.assert_frame_equal(run_study(CASE, kept_in(tmp_path / "killed")).trials, whole)
+        trials_and_finals = CASE.trials + 1 + study_module.FINALISTS
+        assert len(synthetic["gains"]) <= trials_and_finals - study_module.TOGETHER
 
     def test_a_finished_search_is_not_repeated(self, synthetic, tmp_path):
-        run_study(CASE, tmp_path)
+        run_study(CASE, kept_in(tmp_path))
         synthetic["gains"].clear()
-        run_study(CASE, tmp_path)
-        assert len(synthetic["gains"]) <= 1 + study_module.FINALISTS
+        run_study(CASE, kept_in(tmp_path))
+        assert synthetic["gains"] == []
 
     def test_another_seed_is_another_search(self, synthetic, tmp_path):
-        one, other = (run_study(Case(*astuple(CASE)[:-1], seed), tmp_path).trials for seed in (0, 1))
+        one, other = (run_study(Case(*astuple(CASE)[:-1], seed), kept_in(tmp_path)).trials for seed in (0, 1))
         assert (one["L"] != other["L"]).any()
 
 
@@ -137,7 +151,7 @@ class TestEverybody:
     def test_its_gains_are_taken_from_the_search(self, row, synthetic, tmp_path):
         """Three trials: the row's own gains first, then others that it accepts, all of them."""
         synthetic["quality"] = lambda gains: float(gains != default_gains(row))
-        outcome = run_study(Case(row, STICTION, "randomized", 3, 1, 0), tmp_path)
+        outcome = run_study(Case(row, STICTION, "randomized", 3, 1, 0), kept_in(tmp_path))
         assert synthetic["gains"][0] == pytest.approx(default_gains(row))
         assert set(outcome.gains) == set(search_space(row))
         for name, value in outcome.gains.items():
@@ -146,13 +160,28 @@ class TestEverybody:
 
 
 class TestRuns:
-    def test_a_lost_episode_counts_as_lost_however_badly(self, monkeypatch):
-        case = Case("pid-high", STICTION, "randomized", 1, 2, 0)
-        monkeypatch.setattr(study_module, "EpisodeSet", lambda *which: EpisodeSet(*which[:3], {"duration": 0.1}))
-        monkeypatch.setattr(study_module, "rows", lambda *_: pd.DataFrame({"frr": [0.5, -40.0]}))
-        assert study_module._Scorer(case, (1, 2))({"L": 100.0}) == pytest.approx((0.5 - 1.0) / 2)
-        monkeypatch.setattr(study_module, "rows", lambda *_: pd.DataFrame({"frr": [0.5, np.nan]}))
-        assert study_module._Scorer(case, (1, 2))({"L": 100.0}) == pytest.approx((0.5 - 1.0) / 2)
+    def test_a_lost_episode_counts_as_lost_however_badly(self, monkeypatch, tmp_path):
+        lost = {1.0: trial_of(0.5, -40.0), 2.0: trial_of(0.5, math.nan), 3.0: trial_of(0.5, 0.7)}
+        monkeypatch.setattr(study_module, "references_of", lambda episodes: (SimpleNamespace(motions=()),) * 2)
+        monkeypatch.setattr(study_module, "trials_together", lambda _, who, __: [lost[each.gains["L"]] for each in who])
+        score = study_module._Scorer(CASE, (1, 2), kept_in(tmp_path))
+        assert score([{"L": 2.0}]) == pytest.approx([-0.25])
+        assert score([{"L": 1.0}, {"L": 2.0}, {"L": 3.0}]) == pytest.approx([-0.25, -0.25, 0.6])
+
+    @pytest.mark.usefixtures("short_episodes")
+    def test_trials_side_by_side_score_as_alone(self, tmp_path):
+        sets = [{"L": 100.0, "Lp": 20.0, "Li": 100.0}, {"L": 50.0, "Lp": 5.0, "Li": 10.0}]
+        together = study_module._Scorer(CASE, first(TUNING_SEEDS, 2), kept_in(tmp_path / "together"))(sets)
+        alone = study_module._Scorer(CASE, first(TUNING_SEEDS, 2), kept_in(tmp_path / "alone"))
+        assert together == [alone([gains])[0] for gains in sets]
+        assert together[0] != together[1]
+
+    def test_gains_that_it_fails_with_end_the_search(self, monkeypatch, tmp_path):
+        monkeypatch.setattr(study_module, "references_of", lambda episodes: (SimpleNamespace(motions=()),) * 2)
+        failed = lambda episodes, who, _: [failed_trial(episodes, each, "ZeroDivisionError: no") for each in who]  # noqa: E731
+        monkeypatch.setattr(study_module, "trials_together", failed)
+        with pytest.raises(CompensatorError, match=r"with gains \{'L': 100.0.*ZeroDivisionError: no"):
+            run_study(CASE, kept_in(tmp_path))
 
     @pytest.mark.slow
     def test_the_command_writes_an_entry_that_protocols_take(self, tmp_path, monkeypatch):
@@ -188,7 +217,8 @@ class TestRuns:
 
     def test_progress_is_told(self, synthetic, tmp_path):
         told = []
-        tune([Case("pid-high", STICTION, "hardware", 2, 1, 0)], "x", tmp_path, command="", on_case=told.append)
+        case, store = Case("pid-high", STICTION, "hardware", 2, 1, 0), kept_in(tmp_path)
+        tune([case], "x", tmp_path, store=store, command="", on_case=told.append)
         assert told[0].startswith(f"{STICTION} hardware: ")
 
 
@@ -264,6 +294,7 @@ class TestOfAStranger:
         assert again[:2] == ["fo-gym", "tune"]
         Path("results/mine tuned.toml").unlink()
         shutil.rmtree("results/mine tuned")
+        shutil.rmtree("results/store")
         assert CliRunner().invoke(app, [*again[1:], "--jobs", "1"]).exit_code == 0
         assert Path("results/mine tuned.toml").read_text(encoding="utf-8") == text
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
-from fo_gym.cli.work import Jobs
+from fo_gym.cli.work import Jobs, store_in
 from fo_gym.console import Stop, check_folder, check_jobs, console, progress_bar, tell_written
 from fo_gym.extras import install_command
 
@@ -83,6 +83,7 @@ def run_tune(
                 cases,
                 name,
                 out,
+                store=store_in(out / "store", fresh=False),
                 authors=author or (),
                 command=_command(compensator, repeated, single),
                 jobs=jobs,

@@ -30,7 +30,7 @@ def stiction(robot: Robot) -> Task:
         duration=20.0,
         reward_scale=1e-3,
         random_push=Push(time=0.0, duration=0.5, torque=np.array([1.5])),
-        push_time=PushTime((4.0, 9.0)),
+        push_time=PushTime((3.5, 6.0)),
         limit_cycle_window=(10.0, 20.0),
-        randomization=Randomization(start=0.002, push_time=(5.0, 8.0)),
+        randomization=Randomization(start=0.002, push_time=(4.0, 5.5)),
     )

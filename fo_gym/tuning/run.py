@@ -8,6 +8,7 @@ from pathlib import Path
 from fo_gym.checks import shown
 from fo_gym.evaluation.competitors.entry import check_authors, check_name
 from fo_gym.evaluation.runs.backends import Processes
+from fo_gym.evaluation.runs.store import Store
 from fo_gym.files import atomic, csv
 from fo_gym.tuning.entry import authors_of, entry_text, spec_beside
 from fo_gym.tuning.space import default_gains
@@ -30,6 +31,7 @@ def tune(
     name: str,
     out: Path,
     *,
+    store: Store,
     command: str,
     authors: Sequence[str] = (),
     jobs: int = 1,
@@ -40,7 +42,8 @@ def tune(
     Args:
         cases: what is tuned, all of one compensator.
         name: of the entry.
-        out: folder; NAME.toml, NAME/ENV-VARIANT.csv, and the journals of the studies.
+        out: folder; NAME.toml and NAME/ENV-VARIANT.csv.
+        store: keeps the trials of the studies, so that a search that was killed goes on.
         command: what the entry says it was made by.
         authors: who made the compensator; by default the project for its own, "unnamed" for others.
         jobs: worker processes; the result does not depend on it.
@@ -56,7 +59,7 @@ def tune(
     spec, credited = cases[0].spec, check_tuning(cases, name, authors)
     default_gains(spec)  # what cannot be tuned is told before there are workers
     found: dict[int, Outcome] = {}
-    for place, outcome in Processes(jobs).run(run_study, [(case, out / name / "journals") for case in cases]):
+    for place, outcome in Processes(jobs).run(run_study, [(case, store) for case in cases]):
         if outcome is None:
             raise ValueError(f"compensator {spec!r} ended the process that it ran in")
         found[place] = outcome

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from functools import cached_property
 
 import numpy as np
 import optuna
 import pandas as pd
-from optuna.storages import JournalStorage
-from optuna.storages.journal import JournalFileBackend
 from optuna.trial import FrozenTrial, TrialState
 
 from fo_gym.checks import choice, whole_number
+from fo_gym.compensators import CompensatorError
 from fo_gym.envs.registry import known_environments
 from fo_gym.evaluation.competitors.competitor import Competitor
 from fo_gym.evaluation.episode.recording import References
-from fo_gym.evaluation.runs.episodes import EpisodeSet, references_of, rows
+from fo_gym.evaluation.runs.episodes import EpisodeSet, references_of
 from fo_gym.evaluation.runs.seeds import TUNING_SEEDS, VALIDATION_SEEDS, first
+from fo_gym.evaluation.runs.store import Store
+from fo_gym.evaluation.runs.trial import Trial, trials_together
 from fo_gym.tasks.variants import NOMINAL, VARIANTS
 from fo_gym.tuning.space import default_gains, search_space
 
@@ -26,8 +27,10 @@ FINALISTS = 3
 WORST = -1.0
 """What an episode counts at least: one that is lost is lost, however badly."""
 
-MAX_SEARCH_SEED = 9999
-"""Every trial has a sampler of its own, whose seed has 32 bits."""
+TOGETHER = 4
+"""Trials that are asked for before any of them is scored: they share a batch, in which a trial costs a third."""
+
+MAX_SEARCH_SEED = 2**32 - 1
 
 OnTrial = Callable[[str], None]
 
@@ -65,11 +68,6 @@ class Case:
         if self.variant == NOMINAL:
             raise ValueError("variant 'nominal' is one episode, the one that is scored; tune on one with draws")
 
-    @property
-    def name(self) -> str:
-        """What to call it, also as a file."""
-        return f"{self.spec}-{self.env_id}-{self.variant}".replace(":", "-").replace("/", "-")
-
     def competitor(self, gains: Mapping[str, float]) -> Competitor:
         """The compensator with these gains."""
         return Competitor(self.spec, self.spec, gains=gains)
@@ -91,22 +89,44 @@ class Outcome:
 
 
 class _Scorer:
-    """Mean FRR of gains on one set of episodes."""
+    """Mean FRR of sets of gains on the same episodes."""
 
-    def __init__(self, case: Case, seeds: tuple[int, ...]) -> None:
+    def __init__(self, case: Case, seeds: tuple[int, ...], store: Store) -> None:
         self._case = case
         self._episodes = EpisodeSet(case.env_id, case.variant, seeds, {})
+        self._store = store
+
+    @cached_property
+    def _references(self) -> References:
         none, ideal = references_of(self._episodes)
-        self._references = References(ideal.motions, none.motions)
+        return References(ideal.motions, none.motions)
 
-    def __call__(self, gains: Mapping[str, float]) -> float:
-        with self._case.competitor(gains).playing(self._case.env_id, self._case.variant) as compensator:
-            recording = self._episodes.record(compensator, self._case.spec)
-        frr = rows(self._episodes, self._case.spec, recording, self._references, compensator)["frr"].to_numpy()
-        return float(np.maximum(np.nan_to_num(frr, nan=WORST), WORST).mean())
+    def __call__(self, sets: Sequence[Mapping[str, float]]) -> list[float]:
+        """One number for each set of gains, out of the store where it is there.
+
+        Raises:
+            CompensatorError: the compensator cannot be run with one of them.
+        """
+        competitors = [self._case.competitor(gains) for gains in sets]
+        kept = ((i, self._store.load(self._episodes, each)) for i, each in enumerate(competitors))
+        trials = {i: trial for i, trial in kept if trial is not None}
+        missing = [i for i in range(len(sets)) if i not in trials]
+        if missing:
+            run = trials_together(self._episodes, [competitors[i] for i in missing], self._references)
+            for i, trial in zip(missing, run, strict=True):
+                self._store.save(self._episodes, competitors[i], trial)
+                trials[i] = trial
+        return [_mean_frr(trials[i], gains) for i, gains in enumerate(sets)]
 
 
-def run_study(case: Case, folder: Path, on_trial: OnTrial | None = None) -> Outcome:
+def _mean_frr(trial: Trial, gains: Mapping[str, float]) -> float:
+    if trial.failed:
+        raise CompensatorError(f"with gains {dict(gains)}: {trial.rows['error'].iloc[0]}")
+    frr = trial.rows["frr"].to_numpy(dtype=np.float64)
+    return float(np.maximum(np.nan_to_num(frr, nan=WORST), WORST).mean())
+
+
+def run_study(case: Case, store: Store, on_trial: OnTrial | None = None) -> Outcome:
     """Search, or go on searching, and choose.
 
     The first trial has the compensator's own gains; the best few and the first meet again on validation seeds, and the
@@ -114,70 +134,51 @@ def run_study(case: Case, folder: Path, on_trial: OnTrial | None = None) -> Outc
 
     Args:
         case: what is asked for.
-        folder: keeps the study's journal, from which a search that was killed goes on as if it had not been.
-        on_trial: called with a label after every trial that counts.
+        store: keeps the trials. The search itself is cheap and asks for the same ones again, so that one that was
+            killed goes on as if it had not been.
+        on_trial: called with a label after some trials.
     """
-    space, start = search_space(case.spec), default_gains(case.spec)
-    folder.mkdir(parents=True, exist_ok=True)
-    study = _open(case, folder)
-    if not _decided(study):
-        study.enqueue_trial(start)
-    score = _Scorer(case, first(TUNING_SEEDS, case.episodes))
+    optuna.logging.set_verbosity(optuna.logging.ERROR)
+    sampler = optuna.samplers.TPESampler(seed=case.seed, multivariate=True, constant_liar=True)
+    study = optuna.create_study(direction="maximize", sampler=sampler)
+    study.enqueue_trial(default_gains(case.spec))
+    score = _Scorer(case, first(TUNING_SEEDS, case.episodes), store)
+    asked = _accepted(case, study)
+    done = 0
+    while done < case.trials:
+        together = [next(asked) for _ in range(min(TOGETHER, case.trials - done))]
+        for trial, value in zip(together, score([trial.params for trial in together]), strict=True):
+            study.tell(trial, value)
+        done += len(together)
+        if on_trial is not None:
+            on_trial(f"{case.env_id} {case.variant}: trial {done} of {case.trials}, best {study.best_value:.4f}")
+    return _choose(case, study.get_trials(states=(TrialState.COMPLETE,)), store)
 
-    def objective(trial: optuna.Trial) -> float:
-        """The score of the gains that the trial suggests; those that nothing can be made with are pruned."""
+
+def _accepted(case: Case, study: optuna.Study) -> Iterator[optuna.Trial]:
+    """Trials that a compensator can be made with; others are pruned."""
+    space = search_space(case.spec)
+    while True:
+        trial = study.ask()
         gains = {name: trial.suggest_float(name, low, high, log=True) for name, (low, high) in space.items()}
         try:
             with case.competitor(gains).playing(case.env_id, case.variant):
                 pass
-        except ValueError as error:
-            raise optuna.TrialPruned(str(error)) from error
-        return score(gains)
-
-    while len(_complete(study)) < case.trials:
-        # A sampler of its own for every trial: what it draws depends on the seed and on the trials so far alone.
-        place = case.seed * 100_000 + len(_decided(study))
-        study.sampler = optuna.samplers.TPESampler(seed=place, multivariate=True)
-        study.optimize(objective, n_trials=1)
-        done = len(_complete(study))
-        if on_trial is not None and study.trials[-1].state is TrialState.COMPLETE:
-            on_trial(f"{case.env_id} {case.variant}: trial {done} of {case.trials}, best {study.best_value:.4f}")
-    return _choose(case, study)
+        except ValueError:
+            study.tell(trial, state=TrialState.PRUNED)
+        else:
+            yield trial
 
 
-def _open(case: Case, folder: Path) -> optuna.Study:
-    optuna.logging.set_verbosity(optuna.logging.ERROR)
-    storage = JournalStorage(JournalFileBackend(str(folder / f"{case.name}.journal")))
-    study = optuna.create_study(
-        study_name=f"{case.name}-{case.seed}-{case.episodes}",
-        storage=storage,
-        direction="maximize",
-        load_if_exists=True,
-    )
-    for trial in study.trials:  # what a killed process left behind: it is drawn again, as it was
-        if not trial.state.is_finished():
-            study.tell(trial.number, state=TrialState.FAIL)
-    return study
-
-
-def _decided(study: optuna.Study) -> list[FrozenTrial]:
-    """Trials that were scored, or that the compensator refused."""
-    return [trial for trial in study.trials if trial.state in (TrialState.COMPLETE, TrialState.PRUNED)]
-
-
-def _complete(study: optuna.Study) -> list[FrozenTrial]:
-    return [trial for trial in study.trials if trial.state is TrialState.COMPLETE]
-
-
-def _choose(case: Case, study: optuna.Study) -> Outcome:
-    complete = _complete(study)[: case.trials]
+def _choose(case: Case, complete: Sequence[FrozenTrial], store: Store) -> Outcome:
     best = sorted(complete, key=lambda trial: trial.value or WORST, reverse=True)[:FINALISTS]
-    score = _Scorer(case, first(VALIDATION_SEEDS, case.final_episodes))
-    finals = {trial.number: score(trial.params) for trial in {t.number: t for t in [complete[0], *best]}.values()}
+    finalists = list({trial.number: trial for trial in [complete[0], *best]}.values())
+    score = _Scorer(case, first(VALIDATION_SEEDS, case.final_episodes), store)
+    values = score([trial.params for trial in finalists])
+    finals = {trial.number: value for trial, value in zip(finalists, values, strict=True)}
     table = [
         {"trial": place, **trial.params, "frr_tuning": trial.value, "frr_validation": finals.get(trial.number)}
         for place, trial in enumerate(complete)
     ]
-    chosen = max(finals, key=lambda number: finals[number])
-    gains = next(trial.params for trial in complete if trial.number == chosen)
-    return Outcome(case, gains, pd.DataFrame(table))
+    chosen = max(finalists, key=lambda trial: finals[trial.number])
+    return Outcome(case, chosen.params, pd.DataFrame(table))
