@@ -30,7 +30,7 @@ class TorqueSensor(Effect):
 
     Origin: strain gauges of torque-controlled arms are accurate to about 2 % of their range (published for a 7-joint
     arm; uncertain), which is taken for the offset. The zero of good strain-gauge transducers drifts by 0.05 % of the
-    range per 10 K (HBM); in a joint, beside motor and gear, several times that is ours, as are noise and bandwidth.
+    range per 10 K (HBM), which the 20 K by which a joint warms up make 0.1 %. Noise and bandwidth are ours.
 
     Attributes:
         noise: standard deviation, white at the control rate [N | N m], at least 0.
