@@ -147,8 +147,8 @@ def arm_case(robot: LinkSide, home: Array, generator: np.random.Generator, turn:
         sigma_1=spread(0.5, 1.5, dof) * np.sqrt(sigma_0 * inertia),
         sigma_2=spread(1.0, 8.0, dof),
         f_c=f_c,
-        f_s=f_c * spread(1.0, 1.8, dof),
-        v_s=10 ** spread(-2.3, -1.7, dof),
+        f_s=f_c * spread(1.0, 2.4, dof),
+        v_s=10 ** spread(-2.8, -1.7, dof),
     )
     stiffness = like.stiffness[:dof] * spread(0.6, 1.5, dof)
     joint = FlexibleJoint(stiffness, generator.choice([0.0, 0.5]), inertia, torque_limit=200.0)
