@@ -9,6 +9,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.hardware.noise import Noise
 from fo_gym.parameters import FlexibleJoint
 
 Array = NDArray[np.float64]
@@ -95,7 +96,7 @@ class Episodes:
         drawn: what the effect's `draw` gave, (n, ...) each.
         memory: what its `begin` gave, (n, ...) each, for the hooks to change or to replace; it is part of the state
             that an environment saves.
-        generators: one for each episode, where the effect is `noisy`; theirs is part of the state as well.
+        noise: of each episode, where the effect is `noisy`; it is part of the state as well.
     """
 
     control_dt: float
@@ -105,14 +106,17 @@ class Episodes:
     truth: Truth
     drawn: dict[str, Array]
     memory: dict[str, Array]
-    generators: list[np.random.Generator]
+    noise: Noise
 
     def standard_normal(self) -> Array:
-        """New noise for every episode and joint, (n, dof). Raises ValueError where the effect is not `noisy`."""
-        if not self.generators:
+        """New noise for every episode and joint, (n, dof), not to be written into.
+
+        Raises:
+            ValueError: the effect is not `noisy`.
+        """
+        if not len(self.noise):
             raise ValueError("the effect draws noise; give its class noisy = True")
-        dof = len(self.torque_limit)
-        return np.array([generator.standard_normal(dof) for generator in self.generators])
+        return self.noise.standard_normal()
 
     def put(self, ids: NDArray[np.intp], new: Episodes) -> None:
         """Let new episodes take the place of those in the named rows."""
@@ -120,8 +124,8 @@ class Episodes:
             for name, array in others.items():
                 own[name] = own[name].copy()
                 own[name][ids] = array
-        for i, generator in zip(ids, new.generators, strict=bool(self.generators)):
-            self.generators[i] = generator
+        if len(self.noise):
+            self.noise.put(ids, new.noise)
 
 
 class Effect:
@@ -132,7 +136,7 @@ class Effect:
     passes through `command`, gear and bearings add theirs, and when it is over `measure` makes the readings.
 
     Everything is for a batch, and an episode must not depend on its neighbours: work row by row. Nothing random but
-    what `draw` takes from its generator, and the noise of `Episodes.generators`.
+    what `draw` takes from its generator, and the noise of `Episodes.standard_normal`.
 
     Attributes:
         noisy: whether it draws noise in every control period.

@@ -14,6 +14,7 @@ from fo_gym.generators import Streams, check_random_states, restored
 from fo_gym.hardware.draw import HardwareDraw, check_draw, draw_hardware
 from fo_gym.hardware.effect import Effect, Episodes, FrictionChange, Readings, Truth
 from fo_gym.hardware.hardware import Hardware
+from fo_gym.hardware.noise import Noise
 from fo_gym.hardware.rehearsal import begun, check_hooks
 from fo_gym.parameters import FlexibleJoint
 from fo_gym.plant import FlexibleJointPlant
@@ -85,7 +86,8 @@ class HardwareModel:
             joints = FlexibleJoint(plant.stiffness[0], plant.damping[0], plant.motor_inertia[0], torque_limit)
             self._like = draw_hardware(hardware, joints, Streams(np.random.default_rng(0)))
             alike = [self._like] * plant.num_envs
-            nothing = Episodes(plant.control_dt, torque_limit, tachometer, plant.time[:, None], truth, {}, {}, [])
+            time, silence = plant.time[:, None], Noise((), plant.dof)
+            nothing = Episodes(plant.control_dt, torque_limit, tachometer, time, truth, {}, {}, silence)
             self._effects = [(effect, begun(effect, nothing, alike)) for effect in hardware.effects]
         for effect, episodes in self._effects:
             check_hooks(effect, episodes)
@@ -191,10 +193,7 @@ class HardwareModel:
                 effect.name: {name: array.copy() for name, array in episodes.memory.items()}
                 for effect, episodes in self._effects
             },
-            generators={
-                effect.name: [dict(generator.bit_generator.state) for generator in episodes.generators]
-                for effect, episodes in self._effects
-            },
+            generators={effect.name: episodes.noise.states for effect, episodes in self._effects},
         )
 
     def check_state(self, state: HardwareState, name: str, draws: Mapping[str, HardwareDraw | None]) -> None:
@@ -212,7 +211,7 @@ class HardwareModel:
         for effect, episodes in self._effects:
             real_arrays(f"{name}.memory[{effect.name!r}]", state.memory[effect.name], episodes.memory)
             told = f"{name}.generators[{effect.name!r}]"
-            check_random_states(told, state.generators[effect.name], len(episodes.generators))
+            check_random_states(told, state.generators[effect.name], len(episodes.noise))
         if self._like is not None:
             for told, draw in draws.items():
                 check_draw(told, draw, self._like)
@@ -223,5 +222,5 @@ class HardwareModel:
         for effect, episodes in self._effects:
             memory = state.memory[effect.name]
             episodes.memory = {name: np.array(memory[name], dtype=np.float64) for name in episodes.memory}
-            episodes.generators = restored(state.generators[effect.name])
+            episodes.noise = Noise(restored(state.generators[effect.name]), self.plant.dof)
         self.readings = self.readings._replace(**{name: np.array(state.readings[name]) for name in self._imperfect()})

@@ -11,6 +11,7 @@ import numpy as np
 from fo_gym.checks import instance, real, real_arrays
 from fo_gym.hardware.draw import HardwareDraw
 from fo_gym.hardware.effect import Effect, Episodes, FrictionChange, Readings
+from fo_gym.hardware.noise import Noise
 
 __all__ = ["begun", "check_hooks"]
 
@@ -25,7 +26,8 @@ def begun(effect: Effect, episodes: Episodes, draws: Sequence[HardwareDraw]) -> 
     first = draws[0].drawn[name]
     drawn = {key: np.array([np.atleast_1d(draw.drawn[name][key]) for draw in draws]) for key in first}
     seeds = [draw.noise_seeds[name] for draw in draws] if effect.noisy else []
-    new = replace(episodes, drawn=drawn, memory={}, generators=[np.random.default_rng(seed) for seed in seeds])
+    noise = Noise(map(np.random.default_rng, seeds), len(episodes.torque_limit))
+    new = replace(episodes, drawn=drawn, memory={}, noise=noise)
     for key, value in effect.begin(new).items():
         array = new.memory[key] = np.array(real(f"{name}.begin, {key}", value))
         if array.shape[:1] != (len(draws),):

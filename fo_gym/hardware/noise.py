@@ -1,0 +1,72 @@
+"""White noise of a batch of episodes, each from a random generator of its own, drawn ahead in blocks.
+
+To ask every generator in every control period costs a batch more than its physics.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fo_gym.generators import restored
+
+Array = NDArray[np.float64]
+
+_AHEAD = 64
+"""Control periods in a block."""
+
+__all__ = ["Noise"]
+
+
+class Noise:
+    """Standard normal noise: the numbers that each generator gives when it is asked once per control period.
+
+    Args:
+        generators: one for each episode, which nobody else uses from then on; none where there is no noise.
+        dof: numbers for each episode and period.
+    """
+
+    def __init__(self, generators: Iterable[np.random.Generator], dof: int) -> None:
+        self._generators = list(generators)
+        self._block = np.empty((0, len(self._generators), dof))
+        self._used = 0
+        # The state of each generator before its share of the block, and the row where that begins.
+        self._states = self._present()
+        self._begins = [0] * len(self._generators)
+
+    def __len__(self) -> int:
+        return len(self._generators)
+
+    def _present(self) -> list[dict[str, Any]]:
+        return [dict(generator.bit_generator.state) for generator in self._generators]
+
+    def standard_normal(self) -> Array:
+        """New noise, (n, dof), not to be written into."""
+        if self._used == len(self._block):
+            self._states, self._begins, self._used = self._present(), [0] * len(self), 0
+            self._block = np.empty((_AHEAD, *self._block.shape[1:]))
+            for i, generator in enumerate(self._generators):
+                self._block[:, i] = generator.standard_normal((_AHEAD, self._block.shape[2]))
+        noise = self._block[self._used]
+        noise.flags.writeable = False
+        self._used += 1
+        return noise
+
+    @property
+    def states(self) -> list[dict[str, Any]]:
+        """The state of each generator if it had not been asked ahead."""
+        now = restored(self._states)
+        for generator, begins in zip(now, self._begins, strict=True):
+            generator.standard_normal((self._used - begins, self._block.shape[2]))
+        return [dict(generator.bit_generator.state) for generator in now]
+
+    def put(self, ids: Sequence[int] | NDArray[np.intp], other: Noise) -> None:
+        """Let the noise of new episodes take the place of that in the named rows."""
+        ahead = len(self._block) - self._used
+        for i, state in zip(ids, other.states, strict=True):
+            self._states[i], self._begins[i] = state, self._used
+            (self._generators[i],) = restored([state])
+            self._block[self._used :, i] = self._generators[i].standard_normal((ahead, self._block.shape[2]))
