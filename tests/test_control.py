@@ -80,7 +80,7 @@ def test_nominal_motor_is_a_double_integrator():
     rng = np.random.default_rng(0)
     start, rate, tau_c, tau_j = rng.normal(size=(4, 3, 2))
     inertia = rng.uniform(0.5, 2.0, (3, 2))
-    motor = NominalMotor(3, 2, dt=1e-3)
+    motor = NominalMotor(*np.zeros((2, 3, 2)), dt=1e-3)
     motor.reset(np.arange(3), start, rate)
     for _ in range(1000):
         motor.step(tau_c, tau_j, inertia)

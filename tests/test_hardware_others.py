@@ -97,7 +97,7 @@ class TestWhatTheyDo:
         for k in range(1, 20):
             env.step(np.zeros(env.action_space.shape))
             simulation = env.simulation
-            drift = simulation.hardware_model.tau_j - simulation.plant.tau_j
+            drift = simulation.hardware_model.readings.tau_j - simulation.plant.tau_j
             np.testing.assert_allclose(drift, [rate * k * 1e-3], atol=1e-12)
         assert np.abs(rate).max() > 0.0
 

@@ -57,7 +57,7 @@ def test_it_draws_and_measures_what_the_disturbed_one_does(env_id):
                 np.testing.assert_array_equal(value, second.hardware.drawn[name][key])
     for env in (one, other):
         env.step(np.zeros(env.action_space.shape))
-    seen = (env.simulation.hardware_model.tau_j - env.simulation.plant.tau_j for env in (one, other))
+    seen = (env.simulation.hardware_model.readings.tau_j - env.simulation.plant.tau_j for env in (one, other))
     filtered = 0.05 * np.max(np.abs(one.simulation.robot.hardware.sensors.torque.offset))
     np.testing.assert_allclose(*seen, atol=filtered)  # the sensor's low-pass lags behind two motions
 

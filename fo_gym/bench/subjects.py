@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from fo_gym.bench.measure import Subject
 from fo_gym.envs.single import JointEnv
 from fo_gym.envs.vector import JointVectorEnv
+from fo_gym.simulation.kernels import TAU_M
 from fo_gym.simulation.simulation import Simulation
 
 Array = NDArray[np.float64]
@@ -74,7 +75,7 @@ def _twin(simulation: Simulation) -> Subject:
     batch.bind("qpos")[:] = np.concatenate([plant.q, plant.theta], axis=1)
     batch.bind("qvel")[:] = np.concatenate([plant.q_dot, plant.theta_dot], axis=1)
     batch.bind("act")[:] = plant.z
-    batch.bind("ctrl")[:] = simulation.past.tau_m
+    batch.bind("ctrl")[:] = simulation.memory.past[TAU_M]
     start = batch.state.copy()
     steps = round(simulation.settings.control_dt / TWIN_TIMESTEP)
     return Subject(call=partial(batch.step, nstep=steps), prepare=partial(np.copyto, batch.state, start))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from fo_gym.parameters import PDGains, per_joint
@@ -17,6 +18,7 @@ class MotorPD:
 
     def __init__(self, gains: PDGains, dof: int) -> None:
         self.gains: PDGains = per_joint(gains, dof)
+        self._kp, self._kd = np.array(self.gains.kp), np.array(self.gains.kd)
 
     def torque(self, theta: Array, theta_dot: Array, theta_d: Array, gravity: Array) -> Array:
         """Control torque tau_c, N or N m.
@@ -27,4 +29,15 @@ class MotorPD:
             theta_d: desired motor position, (num_envs, dof), m | rad.
             gravity: g(q_d), (num_envs, dof), N or N m.
         """
-        return gravity - self.gains.kp * (theta - theta_d) - self.gains.kd * theta_dot
+        tau_c = np.empty_like(theta_d)
+        _torque(theta, theta_dot, theta_d, gravity, self._kp, self._kd, tau_c)
+        return tau_c
+
+
+@njit(cache=True, error_model="numpy")
+def _torque(theta, theta_dot, theta_d, gravity, kp, kd, tau_c):
+    num_envs, dof = tau_c.shape
+    for i in range(num_envs):
+        for j in range(dof):
+            error = theta[i, j] - theta_d[i, j]
+            tau_c[i, j] = gravity[i, j] - kp[j] * error - kd[j] * theta_dot[i, j]

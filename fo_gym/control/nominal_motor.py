@@ -14,14 +14,14 @@ __all__ = ["NominalMotor"]
 class NominalMotor:
     """B theta_n'' + tau_j = tau_c, in discrete time with the torques of a tick held over the period.
 
-    Attributes:
-        theta, theta_dot: nominal motor, (num_envs, dof), m and m/s | rad and rad/s.
+    Args:
+        theta, theta_dot: where it is, (num_envs, dof), m and m/s | rad and rad/s: arrays that it moves.
+        dt: control period [s].
     """
 
-    def __init__(self, num_envs: int, dof: int, dt: float) -> None:
+    def __init__(self, theta: Array, theta_dot: Array, dt: float) -> None:
+        self.theta, self.theta_dot = theta, theta_dot
         self.dt = dt
-        self.theta = np.zeros((num_envs, dof))
-        self.theta_dot = np.zeros((num_envs, dof))
 
     def reset(self, ids: NDArray[np.intp], theta: Array, theta_dot: Array) -> None:
         """Start the named environments from the true motor, (n, dof) each."""

@@ -55,7 +55,7 @@ class JointEnv(gym.Env[Array, Array]):
         self.metadata = {**self.metadata, "render_fps": max(1, round(1.0 / chosen.step_dt))}
         self._renderer: SceneRenderer | None = None
         self._started = False
-        size = self.simulation.observation_size
+        size = self.simulation.memory.size
         limit = self.simulation.torque_limit
         self.observation_space = Box(-np.inf, np.inf, (size,), np.float64)
         self.action_space = Box(-limit, limit, dtype=np.float64)

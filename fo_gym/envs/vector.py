@@ -69,7 +69,7 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         fps = max(1, round(1.0 / chosen.step_dt))
         self.metadata = {**self.metadata, "render_fps": fps, "autoreset_mode": autoreset_mode}
         self._renderer: SceneRenderer | None = None
-        size = self.simulation.observation_size
+        size = self.simulation.memory.size
         limit = self.simulation.torque_limit
         self.single_observation_space = Box(-np.inf, np.inf, (size,), np.float64)
         self.single_action_space = Box(-limit, limit, dtype=np.float64)

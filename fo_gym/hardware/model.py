@@ -53,11 +53,12 @@ class HardwareModel:
         plant: the joints.
         hardware: the effects, or None.
         torque_limit: of the joints, (dof,) [N | N m].
+        readings: arrays (num_envs, dof) into which the sensors write.
         tachometer: whether the motors' velocity has a sensor of its own.
         disturbed: whether effects disturb the motors; what else they do, they do in any case.
 
     Attributes:
-        readings: of the sensors at the last look, (num_envs, dof) each.
+        readings: of the sensors at the last look.
         motor_inertia: B as controller, nominal motor and compensator know it, (num_envs, dof).
         motor_torque: what gears and effects added to the motors' torque in the last control period, (num_envs, dof).
 
@@ -71,6 +72,7 @@ class HardwareModel:
         plant: FlexibleJointPlant,
         hardware: Hardware | None,
         torque_limit: Array,
+        readings: Readings,
         *,
         tachometer: bool,
         disturbed: bool = True,
@@ -80,7 +82,8 @@ class HardwareModel:
         self._like: HardwareDraw | None = None
         self._effects: list[tuple[Effect, Episodes]] = []
         truth = self._truth()
-        self.readings = truth.readings
+        self.readings = readings
+        plant.sense(*readings)
         if hardware is not None:
             hardware.check_joints(plant.dof)
             joints = FlexibleJoint(plant.stiffness[0], plant.damping[0], plant.motor_inertia[0], torque_limit)
@@ -111,21 +114,6 @@ class HardwareModel:
         return truth
 
     @property
-    def theta(self) -> Array:
-        """Measured motor positions, (num_envs, dof) [m | rad]."""
-        return self.readings.theta
-
-    @property
-    def theta_dot(self) -> Array:
-        """Measured motor velocities, (num_envs, dof) [m/s | rad/s]."""
-        return self.readings.theta_dot
-
-    @property
-    def tau_j(self) -> Array:
-        """Measured joint torques, (num_envs, dof) [N | N m]."""
-        return self.readings.tau_j
-
-    @property
     def friction_change(self) -> FrictionChange:
         """What the effects make of the motors' friction as the joints are at the last look, or at their start."""
         change = FrictionChange()
@@ -149,26 +137,29 @@ class HardwareModel:
             new = begun(effect, replace(episodes, truth=truth, time=np.zeros((len(ids), 1))), drawn)
             readings = effect.measure(readings, new)
             episodes.put(ids, new)
-        self.readings = Readings(*(array.copy() for array in self.readings))
         for whole, part in zip(self.readings, readings, strict=True):
             whole[ids] = part
         return truth.tau_j
 
     def look(self) -> None:
         """Sample the sensors, once per tick: every look takes new noise."""
-        if not self._effects:  # nobody who might write into the truth: it needs no copy
-            self.readings = Readings(self.plant.theta, self.plant.theta_dot, self.plant.tau_j)
+        if self._effects:
+            readings = self._now().readings
+        if not self._asked["measure"]:
+            self.plant.sense(*self.readings)
             return
-        readings = self._now().readings
         for effect, episodes in self._asked["measure"]:
             readings = effect.measure(readings, episodes)
-        self.readings = readings
+        for own, read in zip(self.readings, readings, strict=True):
+            own[:] = read
 
-    def command(self, tau_m: Array) -> Array:
-        """The torque that the motors give for this tick's command, (num_envs, dof)."""
-        for effect, episodes in self._asked["command"]:
-            tau_m = effect.command(tau_m, episodes)
-        return tau_m
+    def command(self, tau_m: Array) -> None:
+        """Turn this tick's command, (num_envs, dof), into the torque that the motors give."""
+        if self._asked["command"]:
+            given = tau_m.copy()  # which an effect may keep
+            for effect, episodes in self._asked["command"]:
+                given = effect.command(given, episodes)
+            tau_m[:] = given
 
     def step(self, tau_m: Array, tau_ext: Array) -> None:
         """Advance one control period under the motors' torque and the push, with what gears and bearings add."""
@@ -223,4 +214,5 @@ class HardwareModel:
             memory = state.memory[effect.name]
             episodes.memory = {name: np.array(memory[name], dtype=np.float64) for name in episodes.memory}
             episodes.noise = Noise(restored(state.generators[effect.name]), self.plant.dof)
-        self.readings = self.readings._replace(**{name: np.array(state.readings[name]) for name in self._imperfect()})
+        for name, own in self._imperfect().items():
+            own[:] = state.readings[name]

@@ -94,7 +94,7 @@ def run_loop(
     plant = FlexibleJointPlant(LINK.link_side, n, joints=joint, friction=friction, control_dt=dt, physics_dt=physics_dt)
     everyone = np.arange(n)
     plant.reset(everyone, np.full((n, 1), start))
-    nominal, law = NominalMotor(n, 1, dt), MotorPD(GAINS, 1)
+    nominal, law = NominalMotor(np.zeros((n, 1)), np.zeros((n, 1)), dt), MotorPD(GAINS, 1)
     nominal.reset(everyone, plant.theta, plant.theta_dot)
     limit = np.full((n, 1), np.inf)
     compensator.reset(JointInfo(1, plant.motor_inertia.copy(), plant.stiffness.copy(), limit, dt), n)

@@ -15,11 +15,14 @@ from fo_gym.tasks.stroke import stroke_at
 INSIDE, OUTSIDE, LOST = 0, 1, 2
 """Where a joint's link is: in its range, out of it, or no longer a finite number."""
 
-__all__ = ["INSIDE", "LOST", "OUTSIDE", "pull", "rewards", "torques", "whereabouts"]
+TAU_M, TAU_EXT, TAU_F, TAU_DIST, TAU_F_HAT = range(5)
+"""Rows of what acted in the past step, as in PastStep."""
+
+__all__ = ["INSIDE", "LOST", "OUTSIDE", "add_acted", "pull", "rewards", "torques", "whereabouts"]
 
 
 @njit(cache=True, error_model="numpy")
-def torques(ticks, dt, push_time, push_duration, push_torque, tau_c, action, limit, compensates):
+def torques(ticks, dt, push_time, push_duration, push_torque, tau_c, action, limit, compensates, acting):
     """Torques that are held over the coming control period.
 
     Args:
@@ -30,24 +33,43 @@ def torques(ticks, dt, push_time, push_duration, push_torque, tau_c, action, lim
         tau_c: control torque, (num_envs, dof).
         action: tau_f_hat or tau_m, (num_envs, dof), clipped to +-limit (dof,).
         compensates: whether the action is tau_f_hat.
-
-    Returns:
-        tau_f_hat (what is compensated; zeros where the action is tau_m), tau_m, tau_ext: (num_envs, dof), N or N m.
+        acting: out, rows TAU_M, TAU_EXT and TAU_F_HAT, zeros where the action is tau_m; (5, num_envs, dof), N or N m.
     """
-    tau_f_hat, tau_m, tau_ext = np.zeros_like(tau_c), np.empty_like(tau_c), np.zeros_like(tau_c)
     num_envs, dof = tau_c.shape
     for i in range(num_envs):
         since = (ticks[i] + 0.5) * dt - push_time[i]
+        share = 0.0
         if 0.0 < since < push_duration[i]:
             share = math.sin(math.pi * (since / push_duration[i])) ** 2
-            for j in range(dof):
-                tau_ext[i, j] = push_torque[i, j] * share
         for j in range(dof):
+            acting[TAU_EXT, i, j] = push_torque[i, j] * share if share > 0.0 else 0.0
             value = min(max(action[i, j], -limit[j]), limit[j])
-            tau_m[i, j] = tau_c[i, j] - value if compensates else value
-            if compensates:
-                tau_f_hat[i, j] = value
-    return tau_f_hat, tau_m, tau_ext
+            acting[TAU_M, i, j] = tau_c[i, j] - value if compensates else value
+            acting[TAU_F_HAT, i, j] = value if compensates else 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def add_acted(acting, tau_f, motor_torque, tick, ticks, past):
+    """Add what acted in a control period to the means over a step, all (5, num_envs, dof) [N | N m].
+
+    Args:
+        acting: rows TAU_M, TAU_EXT and TAU_F_HAT, which is held over the step; the others are out.
+        tau_f: friction, (num_envs, dof).
+        motor_torque: what else disturbed the motors, (num_envs, dof).
+        tick, ticks: number of the period in its step, and how many there are.
+        past: out.
+    """
+    num_envs, dof = tau_f.shape
+    for i in range(num_envs):
+        for j in range(dof):
+            acting[TAU_F, i, j] = tau_f[i, j]
+            acting[TAU_DIST, i, j] = tau_f[i, j] + motor_torque[i, j]
+            past[TAU_F_HAT, i, j] = acting[TAU_F_HAT, i, j]
+            for row in range(TAU_F_HAT):
+                before = past[row, i, j] if tick > 0 else 0.0
+                past[row, i, j] = before + acting[row, i, j]
+                if tick == ticks - 1:
+                    past[row, i, j] /= ticks
 
 
 @njit(cache=True, error_model="numpy")

@@ -32,19 +32,9 @@ class PastStep:
     tau_f_hat: Array
 
     @classmethod
-    def at_rest(cls, num_envs: int, dof: int) -> PastStep:
-        """Nothing acted."""
-        return cls(*np.zeros((len(fields(cls)), num_envs, dof)))
-
-    def begin(self, ids: NDArray[np.intp], held: Array) -> None:
-        """New episodes in the named environments, whose motors have been holding the springs, (n, dof)."""
-        for array in vars(self).values():
-            array[ids] = 0.0
-        self.tau_m[ids] = held  # the first roughness counts from there
-
-    def copy(self) -> PastStep:
-        """A copy, of float64."""
-        return PastStep(**{name: np.array(array, dtype=np.float64) for name, array in vars(self).items()})
+    def names(cls) -> tuple[str, ...]:
+        """Of the attributes, in the order of TAU_M, TAU_EXT, ... in fo_gym.simulation.kernels."""
+        return tuple(each.name for each in fields(cls))
 
     def check(self, shape: tuple[int, int]) -> None:
         """Raise ValueError where a field has another shape, or is not of finite numbers."""

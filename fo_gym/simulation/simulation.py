@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,10 +17,19 @@ from fo_gym.parameters import JointInfo
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.robots import RobotLike
 from fo_gym.robots.poses import joint_range
-from fo_gym.signals import SIGNALS, TIERS
 from fo_gym.simulation.hands import Hands
-from fo_gym.simulation.kernels import INSIDE, LOST, OUTSIDE, rewards, torques, whereabouts
-from fo_gym.simulation.past_step import PastStep
+from fo_gym.simulation.kernels import (
+    INSIDE,
+    LOST,
+    OUTSIDE,
+    TAU_EXT,
+    TAU_M,
+    add_acted,
+    rewards,
+    torques,
+    whereabouts,
+)
+from fo_gym.simulation.memory import Memory
 from fo_gym.simulation.pushes import Pushes
 from fo_gym.simulation.settings import Settings
 from fo_gym.simulation.state import Origin, SimulationState
@@ -55,8 +65,7 @@ class Simulation:
         robot, task: what is simulated, settings applied.
         scenarios: the current episode of each environment.
         ticks: control ticks since reset, (num_envs,).
-        past: what acted in the past step.
-        available: names of the signals that the sensors provide.
+        memory: signals, and what acts.
         hardware_model: the plant with its hardware's effects: what is measured.
         limits: of what the options of a reset may ask for.
         hands: at the tools, or None.
@@ -78,12 +87,13 @@ class Simulation:
         )
         self.num_envs = num_envs = self.plant.num_envs
         self.control: TaskControl = self.task.reference.control(self.robot, self.plant, self.task.gains)
-        self.nominal_motor = NominalMotor(num_envs, self.dof, settings.control_dt)
-        self.available = TIERS[settings.sensors]
+        self.memory = memory = Memory(num_envs, self.dof, self.control.reference.shape[1], settings.sensors)
+        self.nominal_motor = NominalMotor(memory.signals.theta_n, memory.signals.theta_n_dot, settings.control_dt)
         self.hardware_model = HardwareModel(
             self.plant,
             self.robot.hardware,
             self.torque_limit,
+            memory.readings,
             tachometer=settings.sensors == "full",
             disturbed=settings.disturbed,
         )
@@ -103,15 +113,20 @@ class Simulation:
         self._origin = Origin.of(self.robot, self.task, num_envs, settings)
         self._where = np.full(num_envs, INSIDE)
         self._compensates = settings.action_mode == "compensation"
-        self.tau_c = np.zeros((num_envs, self.dof))
-        self.past = PastStep.at_rest(num_envs, self.dof)
         self._pushes = Pushes(num_envs, self.dof)
         self.hands = None if self.task.hand is None else Hands(self.plant, settings.decimation)
 
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        # Pickling turns views into copies: make them views of the one memory again.
+        self.__dict__.update(state)
+        signals = self.memory.signals
+        self.nominal_motor.theta, self.nominal_motor.theta_dot = signals.theta_n, signals.theta_n_dot
+        self.hardware_model.readings = self.memory.readings
+
     @property
-    def observation_size(self) -> int:
-        """Length of one environment's observation."""
-        return len(SIGNALS) * self.dof + 1 + self.control.reference.shape[1]
+    def available(self) -> frozenset[str]:
+        """Names of the signals that the sensors provide."""
+        return self.memory.available
 
     @property
     def joint_info(self) -> JointInfo:
@@ -137,9 +152,9 @@ class Simulation:
         self.control.reset(ids, scenarios)
         self.ticks[ids] = 0
         held = self.hardware_model.begin(ids, *_drawn(scenarios))
-        self.nominal_motor.reset(ids, self.hardware_model.theta[ids], self.hardware_model.theta_dot[ids])
+        self.nominal_motor.reset(ids, *(reading[ids] for reading in self.memory.readings[:2]))
         self._update_control()
-        self.past.begin(ids, held)
+        self.memory.begin(ids, held)
 
     def _configure(self, i: int, scenario: Scenario) -> None:
         self.scenarios[i] = scenario
@@ -153,8 +168,12 @@ class Simulation:
     def _update_control(self) -> None:
         """The reference and the controller at the current ticks."""
         self.control.update(self.ticks)
-        motor = self.nominal_motor if self.settings.feedback == "nominal" else self.hardware_model
-        self.tau_c = self.control.torque(motor.theta, motor.theta_dot)
+        signals = self.memory.signals
+        nominal = self.settings.feedback == "nominal"
+        theta, theta_dot = (signals.theta_n, signals.theta_n_dot) if nominal else (signals.theta, signals.theta_dot)
+        signals.tau_c[:] = self.control.torque(theta, theta_dot)
+        signals.theta_d[:] = self.control.theta_d
+        signals.reference[:] = self.control.reference
 
     def step(self, action: Array) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_], dict[int, str]]:
         """Hold `action` (num_envs, dof) for `decimation` control ticks.
@@ -162,42 +181,40 @@ class Simulation:
         Returns:
             reward (num_envs,); terminated; truncated; why the terminated ones ended, by environment.
         """
-        previous = self.past.tau_m
+        memory, hardware = self.memory, self.hardware_model
         reasons: dict[int, str] = {}
-        sums = np.zeros((4, self.num_envs, self.dof))
         if self.hands is not None:
             self.hands.force[:] = 0.0
-        for _ in range(self.settings.decimation):
-            tau_f_hat, tau_m, tau_ext = self._torques(action)
+        for number in range(self.settings.decimation):
+            self._act(action)
             before = self.plant.snapshot()
-            self.hardware_model.step(tau_m, tau_ext)
-            self.nominal_motor.step(self.tau_c, self.hardware_model.tau_j, self.hardware_model.motor_inertia)
+            hardware.step(memory.acting[TAU_M], memory.acting[TAU_EXT])
+            self.nominal_motor.step(memory.signals.tau_c, memory.signals.tau_j, hardware.motor_inertia)
             self.ticks += 1
             if not whereabouts(self.plant.motion, self._low, self._high, self._where):
                 self._find_ends(before, reasons)
-            friction = self.plant.tau_f
-            sums += (tau_m, tau_ext, friction, friction + self.hardware_model.motor_torque)
-            self.hardware_model.look()
+            periods = number, self.settings.decimation
+            add_acted(memory.acting, self.plant.tau_f, hardware.motor_torque, *periods, memory.past)
+            hardware.look()
             self._update_control()
-        tau_m, tau_ext, tau_f, tau_dist = sums / self.settings.decimation
-        self.past = PastStep(tau_m, tau_ext, tau_f, tau_dist, tau_f_hat)  # the estimate is held over the step
         distance = self.control.distance(self.plant, self.task.reward_scale)
-        reward = rewards(self.past.tau_m, previous, self.torque_limit, distance, ROUGHNESS_WEIGHT)
+        tau_m, previous = memory.past[TAU_M], memory.signals.tau_m
+        reward = rewards(tau_m, previous, self.torque_limit, distance, ROUGHNESS_WEIGHT)
+        previous[:] = tau_m
         terminated = np.zeros(self.num_envs, dtype=bool)
         if reasons:
             terminated[list(reasons)] = True
         return reward, terminated, (self.ticks >= self.last_tick) & ~terminated, reasons
 
-    def _torques(self, action: Array) -> tuple[Array, Array, Array]:
+    def _act(self, action: Array) -> None:
         """The estimate that is compensated, and what motors, pushes and hands apply over the coming control period."""
-        dt, pushes = self.settings.control_dt, self._pushes
-        pulse = pushes.time, pushes.duration, pushes.torque
-        tau_f_hat, tau_m, tau_ext = torques(
-            self.ticks, dt, *pulse, self.tau_c, action, self.torque_limit, self._compensates
-        )
+        pulse = self._pushes.time, self._pushes.duration, self._pushes.torque
+        acting, limit = self.memory.acting, self.torque_limit
+        dt, tau_c = self.settings.control_dt, self.memory.signals.tau_c
+        torques(self.ticks, dt, *pulse, tau_c, action, limit, self._compensates, acting)
         if self.hands is not None:
-            self.hands.act(self.ticks, tau_ext)
-        return tau_f_hat, self.hardware_model.command(tau_m), tau_ext
+            self.hands.act(self.ticks, acting[TAU_EXT])
+        self.hardware_model.command(acting[TAU_M])
 
     def _find_ends(self, before: Array, reasons: dict[int, str]) -> None:
         """Note environments that left the joint range or the finite numbers; put the latter back to `before`."""
@@ -208,16 +225,8 @@ class Simulation:
             reasons.setdefault(int(i), JOINT_LIMIT)
 
     def observation(self) -> Array:
-        """What the joints measure and compute at the coming tick, (num_envs, observation_size); see Signals."""
-        measured, nominal = self.hardware_model, self.nominal_motor
-        blocks = [measured.theta, measured.theta_dot, measured.tau_j, nominal.theta, nominal.theta_dot]
-        blocks += [self.control.theta_d, self.tau_c, self.past.tau_m]
-        if len(self.available) < len(SIGNALS):
-            nothing = np.zeros_like(self.tau_c)
-            for place, name in enumerate(SIGNALS):
-                blocks[place] = blocks[place] if name in self.available else nothing
-        time = self.ticks[:, None] * self.settings.control_dt
-        return np.concatenate([*blocks, time, self.control.reference], axis=1)
+        """What the joints measure and compute at the coming tick, (num_envs, memory.size); see Signals."""
+        return self.memory.observation(self.ticks * self.settings.control_dt)
 
     def truth(self) -> dict[str, Array]:
         """Privileged truth for scoring and plotting, (num_envs, dof) each.
@@ -227,9 +236,11 @@ class Simulation:
         3), its mean force too.
         """
         q, q_dot, theta, theta_dot = self.plant.snapshot()[:4]
-        motion = {"theta": theta, "theta_dot": theta_dot, "q": q, "q_dot": q_dot, "z": self.plant.z.copy()}
-        truth = {**motion, **vars(self.past.copy())}
-        return truth if self.hands is None else {**truth, "f_hand": self.hands.force.copy()}
+        truth = {"theta": theta, "theta_dot": theta_dot, "q": q, "q_dot": q_dot, "z": self.plant.z.copy()}
+        truth |= vars(self.memory.past_step())
+        if self.hands is not None:
+            truth["f_hand"] = self.hands.force.copy()
+        return truth
 
     def get_state(self) -> SimulationState:
         """A copy of everything that the next step depends on, except the random generators."""
@@ -241,7 +252,7 @@ class Simulation:
             nominal.theta.copy(),
             nominal.theta_dot.copy(),
             self.ticks.copy(),
-            self.past.copy(),
+            self.memory.past_step(),
             self.hardware_model.get_state(),
             None if self.hands is None else self.hands.get_state(),
         )
@@ -263,7 +274,7 @@ class Simulation:
             self._configure(i, scenario)
         self.control.reset(everyone, state.scenarios)
         self.plant.set_state(state.plant)
-        self.past = state.past.copy()
+        self.memory.set_past(state.past)
         self.nominal_motor.reset(everyone, state.theta_n, state.theta_n_dot)
         self.ticks = np.array(state.ticks, dtype=np.int64)
         self.hardware_model.set_state(state.hardware, *_drawn(state.scenarios))

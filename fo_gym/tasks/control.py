@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any, Protocol
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from fo_gym.plant import FlexibleJointPlant
@@ -59,8 +61,20 @@ def believed(scenarios: Sequence[Scenario]) -> tuple[Array, Array]:
 
 def joint_distance(plant: FlexibleJointPlant, theta_d: Array, scale: Any) -> Array:
     """Root mean square of (theta - theta_d) / scale over the joints, (num_envs,)."""
-    error = (plant.theta - theta_d) / scale
-    return np.sqrt(np.add.reduce(error * error, axis=1) / error.shape[1])
+    distance = np.empty(len(theta_d))
+    _distance(plant.theta, theta_d, np.full(theta_d.shape[1], scale), distance)
+    return distance
+
+
+@njit(cache=True, error_model="numpy")
+def _distance(theta, theta_d, scale, distance):
+    num_envs, dof = theta.shape
+    for i in range(num_envs):
+        squares = 0.0
+        for j in range(dof):
+            error = (theta[i, j] - theta_d[i, j]) / scale[j]
+            squares += error * error
+        distance[i] = math.sqrt(squares / dof)
 
 
 class PathStatics:
