@@ -77,6 +77,8 @@ def test_a_killed_worker_costs_nothing_but_time(tmp_path: Path) -> None:
 class Losing:
     """Work in this process, in which "pd-high" is lost each time it is tried, and who is tried with it."""
 
+    workers = 1
+
     def run(self, function: Callable[..., Any], tasks: Sequence[tuple[Any, ...]]) -> Iterator[tuple[int, Any]]:
         for place, task in enumerate(tasks):
             lost = function is trials_together and "pd-high" in {competitor.name for competitor in task[1]}

@@ -16,15 +16,16 @@ import fo_gym
 from fo_gym.cli import app
 from fo_gym.cli.gains import gain_sets
 from fo_gym.console import Stop
+from fo_gym.evaluation.competitors.entry import competitor_of
 from fo_gym.evaluation.competitors.team import Team
 from fo_gym.evaluation.metrics import METRICS
 from fo_gym.evaluation.results.sweep import Grid, Plan, summary_of
 from fo_gym.evaluation.results.sweep_figure import sweep_figure
+from fo_gym.evaluation.runs import trial
 from fo_gym.evaluation.runs.backends import Processes, Task
-from fo_gym.evaluation.runs.contest import Contest
 from fo_gym.evaluation.runs.episodes import EpisodeSet
 from fo_gym.evaluation.runs.run import ENDED, run_contests
-from fo_gym.evaluation.runs.trial import trials_together
+from fo_gym.evaluation.runs.trial import reference_trials, trials_together
 
 STICTION = "FJRStiction-v0"
 SHORT = {"variant": "randomized", "seeds": 2, "duration": 0.2}
@@ -80,7 +81,7 @@ def test_together_is_what_each_is_alone() -> None:
 def test_the_references_run_once_and_refused_sets_never() -> None:
     told: list[str] = []
     episodes = EpisodeSet(STICTION, "nominal", (1,), {"duration": 0.05})
-    plan = Plan(Grid("pid-high", {"Lp": [10.0, 14.5, 20.0]}), [episodes], jobs=1)
+    plan = Plan(Grid("pid-high", {"Lp": [10.0, 14.5, 20.0]}), [episodes])
     rows = plan.table(run_contests(plan.contests, "", backend=Processes(1), on_run=told.append))
     assert [label.rpartition(": ")[2] for label in told] == ["none, ideal, bound", "pid-high Lp=14.5", "pid-high Lp=20"]
     assert rows["status"].tolist() == ["failed", "ok", "ok"]
@@ -124,8 +125,7 @@ class Dying(Processes):
 
 def test_who_ends_the_process_is_found_among_those_of_its_batch() -> None:
     episodes = EpisodeSet(STICTION, "nominal", (1,), {"duration": 0.05})
-    plan = Plan(Grid("pid-high", {"L": [50.0, 60.0, 70.0]}), [episodes], jobs=1)
-    assert plan.contests[0].together == 3
+    plan = Plan(Grid("pid-high", {"L": [50.0, 60.0, 70.0]}), [episodes])
     rows = plan.table(run_contests(plan.contests, "", backend=Dying(1)))
     assert rows["status"].tolist() == ["ok", "failed", "ok"]
     assert rows["error"][1] == ENDED
@@ -150,16 +150,47 @@ def test_members_of_a_team_see_their_share_alone() -> None:
     assert team.estimate(signals).ravel().tolist() == list(range(6))
 
 
-def test_a_batch_is_not_larger_than_memory_and_workers_ask() -> None:
-    grid = Grid("pid-high", {"L": list(np.linspace(50.0, 60.0, 12))})
-    sizes = {
-        (seeds, jobs): Plan(grid, [EpisodeSet(STICTION, "randomized", tuple(range(seeds)), {})], jobs)
-        .contests[0]
-        .together
-        for seeds, jobs in ((1, 1), (1, 4), (20, 1), (500, 1))
-    }
-    assert sizes == {(1, 1): 12, (1, 4): 3, (20, 1): 1, (500, 1): 1}
-    assert Contest(EpisodeSet(STICTION, "nominal", (1,), {}), ()).together == 1
+class Watching(Processes):
+    """Workers that note who comes together."""
+
+    def __init__(self, jobs: int) -> None:
+        super().__init__(jobs)
+        self.crews: list[int] = []
+
+    def run(self, function: Callable[..., Any], tasks: Sequence[Task]) -> Iterator[tuple[int, Any]]:
+        if function is trials_together:
+            self.crews += [len(task[1]) for task in tasks]
+        for place, task in enumerate(tasks):
+            yield place, function(*task)
+
+
+@pytest.mark.parametrize(("seeds", "jobs", "crews"), [(1, 1, [5]), (1, 2, [3, 2]), (80, 1, [2, 2, 1])])
+def test_crews_are_as_large_as_a_fair_share_and_as_is_not_too_much_to_lose(seeds, jobs, crews) -> None:
+    plan = Plan(
+        Grid("pid-high", {"L": list(np.linspace(50.0, 60.0, 5))}),
+        [EpisodeSet(STICTION, "randomized", tuple(range(seeds)), {"duration": 0.01})],
+    )
+    backend = Watching(jobs)
+    run_contests(plan.contests, "", backend=backend)
+    assert backend.crews == crews
+
+
+def test_a_batch_is_not_larger_than_memory_allows(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rows and times are each member's own, whoever shares its batch."""
+    episodes = EpisodeSet(STICTION, "randomized", (1, 2), {"duration": 0.05})
+    competitors = [competitor_of(name) for name in ("pid-high", "pid-low", "pd-high", "letien-high")]
+    references, _ = reference_trials(episodes)
+    batches: list[int] = []
+    record = EpisodeSet.record
+    monkeypatch.setattr(EpisodeSet, "record", lambda *who: batches.append(len(who[0].seeds)) or record(*who))
+    found = [trials_together(episodes, competitors, references)]
+    monkeypatch.setattr(trial, "_MEMORY", 2 * 8 * 12 * 51 * 2)
+    found.append(trials_together(episodes, competitors, references))
+    assert batches == [6, 2, 4, 2, 2]
+    for one, other in zip(*found, strict=True):
+        pd.testing.assert_frame_equal(one.rows, other.rows, check_exact=True)
+        assert one.timing is not None
+        assert 0.0 < one.timing["estimate_median_us"] <= one.timing["estimate_p99_us"]
 
 
 @pytest.mark.parametrize(

@@ -72,7 +72,7 @@ def run_sweep(
         from fo_gym.evaluation.results.sweep import Grid, Plan
         from fo_gym.evaluation.runs.contest import episodes_in
 
-        plan = Plan(Grid(compensator, values), episodes_in(protocol), jobs)
+        plan = Plan(Grid(compensator, values), episodes_in(protocol))
     except (ValueError, TypeError, OSError, CompensatorError) as error:
         raise Stop(str(error)) from error
     table = plan.table(run_behind_bar(plan.contests, "", store_in(store, fresh=fresh), jobs))

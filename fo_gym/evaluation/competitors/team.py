@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, TypeVar
@@ -28,11 +29,15 @@ class Team:
     Args:
         members: who they are.
         share: environments of each.
+
+    Attributes:
+        seconds: time that each call of a member took, a list for each [s].
     """
 
     def __init__(self, members: Sequence[Compensator], share: int = 1) -> None:
         self.members = list(members)
         self.share = share
+        self.seconds: list[list[float]] = [[] for _ in members]
         ((self.feedback, self.privileged),) = {_kind(member) for member in self.members}
 
     def rows(self, place: int) -> slice:
@@ -48,7 +53,10 @@ class Team:
         """tau_f_hat, (num_envs, dof), the rows of each member from itself. Raises ValueError for another shape."""
         estimate = np.empty(signals.theta.shape)
         for place, member in enumerate(self.members):
-            answer = np.asarray(member.estimate(_of(signals, self.rows(place))))
+            seen = _of(signals, self.rows(place))
+            start = time.perf_counter()
+            answer = np.asarray(member.estimate(seen))
+            self.seconds[place].append(time.perf_counter() - start)
             own = estimate[self.rows(place)]
             if answer.shape != own.shape:
                 raise ValueError(f"member {place} returned shape {answer.shape}; its share is {own.shape}")

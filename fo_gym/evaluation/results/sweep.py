@@ -11,7 +11,6 @@ from numbers import Integral, Real
 from typing import Any
 
 import pandas as pd
-from joblib import cpu_count
 
 from fo_gym.compensators import CompensatorError
 from fo_gym.evaluation.competitors.competitor import MAX_SETS, Competitor
@@ -23,9 +22,6 @@ from fo_gym.evaluation.runs.episodes import FAILED, KEY, OK, SET, TERMINATED, Ep
 from fo_gym.evaluation.runs.evaluate import check_arguments, evaluation_seeds
 from fo_gym.evaluation.runs.run import run_contests
 from fo_gym.evaluation.runs.trial import failed_trial
-
-_BATCH = 24
-"""Episodes that share a batch, about: larger ones gain little time and take more memory."""
 
 Gains = Mapping[str, Sequence[float]]
 
@@ -116,8 +112,9 @@ def sweep(
     """
     check_arguments(env_id, variant, env_kwargs)
     episodes = EpisodeSet(env_id, variant, evaluation_seeds(variant, seeds), env_kwargs)
-    plan = Plan(Grid(compensator, gains), [episodes], jobs)
-    return plan.table(run_contests(plan.contests, "", backend=Processes(jobs)))
+    backend = Processes(jobs)
+    plan = Plan(Grid(compensator, gains), [episodes])
+    return plan.table(run_contests(plan.contests, "", backend=backend))
 
 
 class Plan:
@@ -126,7 +123,6 @@ class Plan:
     Args:
         grid: who is scored, with which gains.
         sets: the episodes; the references of each run once.
-        jobs: number of workers, among which the sets of gains are spread; -1 = one per core.
 
     Attributes:
         contests: what is to be run: sets of gains that the compensator refuses are not.
@@ -135,9 +131,7 @@ class Plan:
         ValueError, TypeError, CompensatorError: the compensator accepts no set, so that it is not the values.
     """
 
-    def __init__(self, grid: Grid, sets: Sequence[EpisodeSet], jobs: int) -> None:
-        if jobs == 0:
-            raise ValueError("jobs is 0; give the number of worker processes, or -1 for one per core")
+    def __init__(self, grid: Grid, sets: Sequence[EpisodeSet]) -> None:
         self._grid = grid
         self._gains = dict(zip((each.name for each in grid.competitors), grid.sets, strict=True))
         self._refused: list[pd.DataFrame] = []
@@ -147,8 +141,7 @@ class Plan:
             accepted = tuple(each for each in grid.competitors if each.name not in errors)
             if not accepted:
                 raise next(iter(errors.values()))
-            fair = math.ceil(len(accepted) / (cpu_count() if jobs < 0 else jobs))
-            self.contests.append(Contest(episodes, accepted, max(1, min(_BATCH // len(episodes.seeds), fair))))
+            self.contests.append(Contest(episodes, accepted))
             for each in grid.competitors:
                 if each.name in errors:
                     error = errors[each.name]

@@ -35,6 +35,10 @@ class BackendError(RuntimeError):
 class Backend(Protocol):
     """Runs independent tasks."""
 
+    @property
+    def workers(self) -> int:
+        """How many tasks run at a time."""
+
     def run(self, function: Callable[..., T], tasks: Sequence[Task]) -> Iterator[tuple[int, T | None]]:
         """Call `function` with the arguments of every task.
 
@@ -85,7 +89,14 @@ class Processes:
     """
 
     def __init__(self, jobs: int) -> None:
+        if jobs == 0:
+            raise ValueError("jobs is 0; give the number of worker processes, or -1 for one per core")
         self.jobs = jobs
+
+    @property
+    def workers(self) -> int:
+        """See `Backend`."""
+        return int(cpu_count()) if self.jobs < 0 else self.jobs
 
     def run(self, function: Callable[..., T], tasks: Sequence[Task]) -> Iterator[tuple[int, T | None]]:
         """See `Backend`. A task that ends its process takes the others down, so what is left runs one by one."""
@@ -118,6 +129,11 @@ class RayWorkers:
 
     def __init__(self, ray: Any) -> None:
         self._ray = ray
+
+    @property
+    def workers(self) -> int:
+        """See `Backend`."""
+        return max(1, int(self._ray.cluster_resources().get("CPU", 1)))
 
     def run(self, function: Callable[..., T], tasks: Sequence[Task]) -> Iterator[tuple[int, T | None]]:
         """See `Backend`. A task whose worker dies is started again `RETRIES` times. Raises BackendError."""

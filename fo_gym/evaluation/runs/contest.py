@@ -32,12 +32,10 @@ class Contest:
     Attributes:
         episodes: what they meet.
         competitors: who.
-        together: how many of them share a batch, which changes no row; a short time for many, but more memory.
     """
 
     episodes: EpisodeSet
     competitors: tuple[Competitor, ...]
-    together: int = 1
 
     @property
     def everybody(self) -> tuple[Competitor, ...]:

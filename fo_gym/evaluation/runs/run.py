@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 
 import pandas as pd
@@ -22,7 +23,10 @@ ENDED = "it ended the process that it ran in"
 """The error of a competitor that takes its process down, as a crash in compiled code does."""
 
 _Crew = tuple[int, tuple[int, ...]]
-"""The number of a contest, and the places of those who share a batch of it."""
+"""The number of a contest, and the places of those who go to a worker together, where they share batches."""
+
+_CREW = 160
+"""Episodes of a crew, about: more of them gain little time, and are lost when the run is killed."""
 
 __all__ = ["ENDED", "run_contests", "run_protocol"]
 
@@ -89,9 +93,11 @@ class _Runner:
 
     def run_competitors(self, backend: Backend, references: dict[int, References]) -> None:
         """Everybody else whose trial is missing."""
+        missing = {number: self.missing(number) for number in sorted(references)}
+        fair = math.ceil(sum(map(len, missing.values())) / backend.workers)
         crews = []
-        for number in sorted(references):
-            left, size = self.missing(number), self.contests[number].together
+        for number, left in missing.items():
+            size = max(1, min(_CREW // len(self.contests[number].episodes.seeds), fair))
             crews += [(number, tuple(left[start : start + size])) for start in range(0, len(left), size)]
         lost = self._run_crews(backend, references, crews)
         suspects = [(number, (place,)) for number, places in lost if len(places) > 1 for place in places]

@@ -23,6 +23,9 @@ from fo_gym.tasks.variants import NOMINAL
 REFERENCES = tuple(Competitor(name, name, REFERENCE) for name in BUILT_IN)
 """Who meets every set of episodes, in this order."""
 
+_MEMORY, _ARRAYS = 2**31, 12
+"""What the recording of a batch may take, about [bytes], and of how many arrays of all joints it consists."""
+
 __all__ = ["REFERENCES", "Trial", "competitor_trial", "failed_trial", "reference_trials", "trials_together"]
 
 
@@ -105,7 +108,7 @@ def competitor_trial(episodes: EpisodeSet, competitor: Competitor, references: R
 
 
 def trials_together(episodes: EpisodeSet, competitors: Sequence[Competitor], references: References) -> list[Trial]:
-    """The trials of several competitors, in their order: as `competitor_trial` gives them, in as few batches as may be.
+    """The trials of several competitors, in their order: as `competitor_trial` gives them, in as few batches as fit.
 
     Where something goes wrong in a batch, its members run one by one, which tells whose fault it is. Those that have
     processes of their own do so in any case.
@@ -118,16 +121,23 @@ def trials_together(episodes: EpisodeSet, competitors: Sequence[Competitor], ref
             with suppress(Exception, SystemExit):
                 made[place] = competitor.make(episodes.env_id, episodes.variant)
     trials: dict[int, Trial] = {}
-    for places in alike(made):
+    size = _fitting(references)
+    for places in (group[start : start + size] for group in alike(made) for start in range(0, len(group), size)):
         team = Team([made[place] for place in places], len(episodes.seeds))
         with suppress(Exception, SystemExit):
             recording = replace(episodes, seeds=episodes.seeds * len(places)).record(team, "team")
             for member, place in enumerate(places):
-                own = recording.part(team.rows(member))
+                own = replace(recording.part(team.rows(member)), seconds=np.array(team.seconds[member]))
                 trials[place] = _trial(episodes, competitors[place].name, own, references, made[place])
     alone = (place for place in range(len(competitors)) if place not in trials)
     trials |= {place: competitor_trial(episodes, competitors[place], references) for place in alone}
     return [trials[place] for place in range(len(competitors))]
+
+
+def _fitting(references: References) -> int:
+    """How many competitors fit into a batch."""
+    ticks, num_envs, dof = references.none.theta.shape
+    return max(1, _MEMORY // (8 * _ARRAYS * ticks * num_envs * dof))
 
 
 def failed_trial(episodes: EpisodeSet, competitor: Competitor, error: str) -> Trial:
