@@ -21,7 +21,6 @@ from fo_gym.reproduction.run import FAILS, HOLDS
 ROOT = Path(__file__).parent.parent
 LEARNED = ("rl-residual", "rl-direct")
 PAPER = ("pid-low", "pid-high", "pd-low", "pd-high", "letien-low", "letien-high")
-TUNED = ("pid-tuned", "pd-tuned", "letien-tuned")
 
 
 def leaderboard() -> str:
@@ -87,7 +86,7 @@ def learned() -> str:
     for (env, robot, variant), rows in episodes.groupby(SET, sort=False):
         frr = rows.pivot(index="seed", columns="compensator", values="frr")
         mean = frr.apply(interquartile_mean)
-        paper, tuned = str(mean[list(PAPER)].idxmax()), str(mean[list(TUNED)].idxmax())
+        paper, tuned = str(mean[list(PAPER)].idxmax()), str(mean.filter(regex="-tuned$").idxmax())
         ratio = (1.0 - mean["rl-residual"]) / (1.0 - mean[paper])
         _, low, high = paired_difference(frr["rl-residual"], frr[paper], np.random.default_rng(0))
         shown = (f"{mean[name]:.4f}" for name in LEARNED)

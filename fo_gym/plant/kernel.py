@@ -117,33 +117,17 @@ def kernel(respond, step, states, memory):
 
     @njit(error_model="numpy", nogil=True)
     def advance(
-        state,
-        tau_m,
-        inertia,
-        bias,
-        passive,
-        row_nonzeros,
-        row_start,
-        columns,
-        tau_ext,
-        link_damping,
-        file_damping,
-        joints,
-        friction,
-        h,
-        steps,
-        tau_f,
+        state, tau_m, load, damping, inertia, row_nonzeros, row_start, columns, joints, friction, h, steps, tau_f
     ):
         """Advance every environment by `steps` micro-steps of h seconds, in place.
 
         Args:
             state: (4 + states, num_envs, dof), rows as in MOTION, then the law's states.
             tau_m: motor torque, held, (num_envs, dof).
+            load: tau_ext - bias on the links, held, (num_envs, dof).
+            damping: of dampers between the links and the world, held, (num_envs, dof).
             inertia: M of each environment as MuJoCo's sparse lower triangle, held, (num_envs, nonzeros).
-            bias, passive: C q' + g, and torques of the file's own joint springs, held, (num_envs, dof).
             row_nonzeros, row_start, columns: that triangle's layout.
-            tau_ext: on the links, held, (num_envs, dof).
-            link_damping, file_damping: of dampers between the links and the world, held, (num_envs, dof) and (dof,).
             joints: motors and springs, (num_envs, dof, 3), columns as in fo_gym.parameters.JOINT.
             friction: the law's parameters, (num_envs, dof), of its dtype.
             h: micro-step [s].
@@ -151,16 +135,14 @@ def kernel(respond, step, states, memory):
             tau_f: out, mean friction torque over the whole period, (num_envs, dof).
         """
         num_envs, dof = tau_m.shape
-        lower, vectors = np.empty((dof, dof)), np.empty((5, dof))
-        added, v_mid, w_mid, load, damping = vectors[0], vectors[1], vectors[2], vectors[3], vectors[4]
+        lower, vectors = np.empty((dof, dof)), np.empty((3, dof))
+        added, v_mid, w_mid = vectors[0], vectors[1], vectors[2]
         z, memo = np.empty((dof, states)), np.empty((dof, memory))
         for i in range(num_envs):
             q, w, theta, v = state[0, i], state[1, i], state[2, i], state[3, i]
             damped = False
             for j in range(dof):
-                load[j] = tau_ext[i, j] - (bias[i, j] - passive[i, j])
-                damping[j] = link_damping[i, j] + file_damping[j]
-                added[j] = 0.5 * h * (joints[i, j, 1] + damping[j])
+                added[j] = 0.5 * h * (joints[i, j, 1] + damping[i, j])
                 damped = damped or joints[i, j, 1] > 0.0
                 tau_f[i, j] = 0.0
                 for k in range(states):
@@ -170,14 +152,14 @@ def kernel(respond, step, states, memory):
                 state[:, i, :] = np.nan
                 tau_f[i, :] = np.nan
                 continue
-            drive, joint, rubs, sums = tau_m[i], joints[i], friction[i], tau_f[i]
+            pull, damper, drive, joint, rubs, sums = load[i], damping[i], tau_m[i], joints[i], friction[i], tau_f[i]
             for number in range(steps):
                 # Two half drifts meet between micro-steps; only the first and the last are half.
                 drift = h if number > 0 else 0.5 * h
                 for j in range(dof):
                     q[j] += drift * w[j]
                     theta[j] += drift * v[j]
-                kick(q, w, theta, v, z, load, damping, drive, joint, rubs, lower, h, damped, v_mid, w_mid, sums, memo)
+                kick(q, w, theta, v, z, pull, damper, drive, joint, rubs, lower, h, damped, v_mid, w_mid, sums, memo)
             for j in range(dof):
                 q[j] += 0.5 * h * w[j]
                 theta[j] += 0.5 * h * v[j]

@@ -211,7 +211,8 @@ class FlexibleJointPlant:
             if torque.shape != self.q.shape:
                 raise ValueError(f"{name} has shape {torque.shape}; this plant needs {self.q.shape}")
         predict(self._state, self._q_dot_before, self.control_dt, *self.body.inputs)
-        links = *self.body.forward(), *self.body.layout, tau_ext, self.link_damping, self.body.damping
+        inertia, bias = self.body.forward()
+        links = tau_ext - bias, self.link_damping + self.body.damping, inertia, *self.body.layout
         parameters = self._joints, self._friction
         self._advance(self._state, tau_m, *links, *parameters, self.physics_dt, self.steps, self.tau_f)
         self._ticks += 1

@@ -114,13 +114,10 @@ class RigidBody:
         """Where `forward` reads q and q_dot, (num_envs, dof) each, to be written into."""
         return self._qpos, self._qvel
 
-    def forward(self) -> tuple[Array, Array, Array]:
-        """M, C q_dot + g, and the file's own joint springs, for all environments at `inputs`.
-
-        Memory that the next query overwrites. What `dynamics` gives is the first, and the second less the third.
-        """
+    def forward(self) -> tuple[Array, Array]:
+        """What `dynamics` gives, for all environments at `inputs`; M in memory that the next query overwrites."""
         self._batch.forward(None, _VELOCITY_STAGE)
-        return self._inertia, self._bias, self._passive
+        return self._inertia, self._bias - self._passive
 
     def dynamics(self, q: Array, q_dot: Array, ids: Ids = None) -> tuple[Array, Array]:
         """Inertia and bias at (q, q_dot), (n, dof) each.
