@@ -14,7 +14,7 @@ from fo_gym.robots import LinkSide
 Array = NDArray[np.float64]
 Ids = NDArray[np.intp] | None
 
-_VELOCITY_STAGE = int(mujoco.mjtStage.mjSTAGE_VEL)
+_POSITION_STAGE, _VELOCITY_STAGE = int(mujoco.mjtStage.mjSTAGE_POS), int(mujoco.mjtStage.mjSTAGE_VEL)
 
 __all__ = ["RigidBody", "ToolPose"]
 
@@ -150,7 +150,8 @@ class RigidBody:
 
     def tool_position(self, q: Array) -> Array:
         """Tool position in the world at q (num_envs, dof): (num_envs, 3), m."""
-        self._forward(q, 0.0, None)
+        self._qpos[:] = q
+        self._batch.forward(None, _POSITION_STAGE)
         return self._tool_position.copy()
 
     def tool_pose(self, q: Array, ids: Ids = None) -> tuple[ToolPose, Array]:
