@@ -1,30 +1,20 @@
-"""The command line: what it prints, what it writes, and how it says no."""
+"""The command line: what it prints, and what it writes."""
 
 from __future__ import annotations
 
-import json
 import os
-import re
 import subprocess
 import sys
-import tomllib
 from collections.abc import Iterator
-from importlib.metadata import EntryPoint, PackageNotFoundError
 from pathlib import Path
-from types import SimpleNamespace
-from typing import NamedTuple
 
 import pandas as pd
 import pytest
-from rich.console import Console
-from typer.testing import CliRunner
+from commands import MINE, TINY, Outcome, run, strangers_folder, written
 
 import fo_gym
-from fo_gym import cli, extras
-from fo_gym.cli import app, view
 from fo_gym.evaluation.competitors.entry import shipped_entries
 from fo_gym.evaluation.metrics import METRICS
-from fo_gym.evaluation.results.tables import Ranking
 from fo_gym.robots import shipped_robots
 from fo_gym.tasks.variants import VARIANTS
 
@@ -34,88 +24,16 @@ SIX = ("pid-low", "pid-high", "pd-low", "pd-high", "letien-low", "letien-high")
 FILES = {"episodes.csv", "leaderboard.csv", "timing.csv", "leaderboard.md", "processor.json"}
 FILES |= {"ranking.png", f"{SQUARE}.png"}
 
-MINE = """\
-import numpy as np
-
-
-class Mine:
-    feedback = "measured"
-
-    def __init__(self, bandwidth=80.0, sign=1.0):
-        self.bandwidth, self.sign = bandwidth, sign
-
-    def reset(self, joints, num_envs):
-        self.gain = self.sign * self.bandwidth * joints.motor_inertia
-        self.ticks = 0
-
-    def estimate(self, signals):
-        return -self.gain * (signals.theta_n_dot - signals.theta_dot)
-
-
-class Broken(Mine):
-    def estimate(self, signals):
-        return np.linalg.inv(np.zeros((2, 2)))
-
-
-class Late(Mine):
-    def estimate(self, signals):
-        self.ticks += 1
-        if self.ticks > 60:
-            raise KeyError("no [/such] key in [red]")
-        return super().estimate(signals)
-
-
-class Undecided(Mine):
-    feedback = "both"
-"""
-
-TINY = """
-name = "tiny"
-split = "validation"
-seeds = 1
-environments = ["FJRSquare-v0"]
-variants = ["nominal"]
-compensators = ["mine.py:Mine"]
-"""
-
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """A stranger's working directory."""
-    folder = tmp_path_factory.mktemp("stranger")
-    (folder / "mine.py").write_text(MINE, encoding="utf-8")
-    (folder / "tiny.toml").write_text(TINY, encoding="utf-8")
-    (folder / "[notes].toml").write_text(TINY.replace('"tiny"', "7 +"), encoding="utf-8")
-    (folder / "syntax.py").write_text("class Mine(:\n", encoding="utf-8")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(folder)
+    with strangers_folder(tmp_path_factory.mktemp("stranger")) as folder:
         yield folder
-
-
-class Outcome(NamedTuple):
-    """What a command printed, without colours, and its exit code."""
-
-    code: int
-    out: str
-    err: str
-
-
-def run(*arguments: str) -> Outcome:
-    """Outcome of the command; a traceback is at most that of a user's own lines."""
-    result = CliRunner().invoke(app, list(arguments))
-    assert f'File "{Path(fo_gym.__file__).parent}' not in result.output
-    assert result.exception is None or isinstance(result.exception, SystemExit), repr(result.exception)
-    out, err = (re.sub(r"\x1b\[[0-9;]*m", "", text) for text in (result.stdout, result.stderr))
-    return Outcome(result.exit_code, out, err)
 
 
 def line_of(text: str) -> int:
     """The number of a line of MINE."""
     return next(number for number, line in enumerate(MINE.splitlines(), start=1) if text in line)
-
-
-def written(folder: Path) -> set[Path]:
-    return {path for path in folder.rglob("*") if path.is_file() and "__pycache__" not in path.parts}
 
 
 def table_rows(text: str) -> dict[str, list[str]]:
@@ -124,9 +42,6 @@ def table_rows(text: str) -> dict[str, list[str]]:
     return {
         cells[1].strip().removesuffix(" *"): [cell.strip() for cell in cells] for cells in lines if cells[1].strip()
     }
-
-
-# What there is
 
 
 def test_list_shows_everything() -> None:
@@ -313,170 +228,3 @@ def test_a_leaderboard_with_a_failed_row_is_written_and_fails(folder: Path) -> N
     assert result.code == 2
     assert "KeyError" in result.err
     assert {path.name for path in written(folder / "partly")} == FILES
-
-
-# How it says no
-
-REFUSED = [
-    ("evaluate nobody", "unknown compensator 'nobody'; registered are none, ideal"),
-    ("evaluate nowhere.py:Mine", "there is no file nowhere.py"),
-    ("evaluate mine.py:Yours", "mine.py has no 'Yours'"),
-    ("evaluate mine.py:Undecided", "feedback is 'both'; allowed are 'measured', 'nominal'"),
-    ("evaluate pid-high --env FJRNothing-v0", "unknown environment 'FJRNothing-v0'; known are FJRStiction-v0"),
-    ("evaluate pid-high --variant wild", "unknown variant 'wild'; known are nominal, randomized"),
-    ("evaluate pid-high --seeds 1001", "1001 seeds were asked for; give a number from 1 to 1000"),
-    ("evaluate pid-high --traces", "--traces are written beside the results; add --out DIR"),
-    ("evaluate pid-high pid-high", "two competitors are called 'pid-high'"),
-    ("evaluate mine.py:Mine --gains L=70", "'mine.py:Mine' has no gain 'L'; it takes bandwidth, sign"),
-    ("evaluate pid-high --gains Lx=70", "'pid-high' has no gain 'Lx'; it takes L, Lp, Li"),
-    ("evaluate pid-high --gains L=7O", "L is '7O'; give a value as TOML has it"),
-    ("evaluate pid-high --gains L", "--gains is 'L'; give NAME=VALUE"),
-    ("evaluate pid-high --gains L=1 --gains L=2", "names 'L' twice"),
-    ("evaluate pid-high --gains Li=200", "Lp^2 = 400 is not above 2 Li = 400; raise Lp above 20"),
-    ("evaluate pid-high pd-high --gains L=70", "--gains and --name are for one compensator; 2 were given"),
-    ("evaluate pid-high --name a|b", "--name is 'a|b'; give letters"),
-    ("evaluate pid-high --baselines nobody", "unknown compensator 'nobody'"),
-    ("evaluate mine.py:Mine --name pid-high", "two competitors are called 'pid-high'"),
-    ("sweep nobody --gains L=1:2:3", "unknown compensator 'nobody'"),
-    ("sweep mine.py:Mine --gains L=1:2:3", "'mine.py:Mine' has no gain 'L'; it takes bandwidth, sign"),
-    ("sweep pid-high --gains L=20:10:3", "L is '20:10:3'; give LOW below HIGH"),
-    ("sweep pid-high --gains L=a,b", "L is 'a'; give a value as TOML has it"),
-    ("sweep pid-high --gains L=true,false", "L is 'true'; a sweep is over numbers"),
-    ("sweep pid-high --gains L=1,1.0", "L is '1,1.0'; it names a value twice"),
-    ("sweep pid-high --gains Lp=1,2 --env FJRNothing-v0", "unknown environment 'FJRNothing-v0'"),
-    ("leaderboard --quick --protocol full", "--quick and --protocol exclude each other"),
-    ("leaderboard --protocol nothing.toml", "there is no protocol 'nothing.toml'; name a TOML file or one of full"),
-    ("leaderboard --protocol [notes].toml", "protocol [notes].toml: "),
-    ("evaluate tiny.toml", "entry tiny.toml: missing keys ['spec', 'authors', 'link'], unknown keys ['split', "),
-    ("leaderboard --protocol tiny.toml --submissions nowhere", "there is no folder nowhere"),
-    ("leaderboard --protocol tiny.toml --address here", "add --backend ray"),
-    ("verify nowhere", "there is no nowhere/episodes.csv"),
-    ("verify --jobs 0", "jobs"),
-    ("leaderboard --protocol tiny.toml --jobs 0", "jobs"),
-]
-
-
-@pytest.mark.parametrize(("command", "message"), REFUSED)
-def test_refused_in_one_line(folder: Path, command: str, message: str) -> None:
-    before = written(folder)
-    result = run(*command.split())
-    assert result.code == 2
-    assert result.out == ""
-    assert result.err.startswith("error: ")
-    assert message in result.err
-    assert result.err.count("\n") == 1
-    assert written(folder) == before
-
-
-@pytest.mark.parametrize(
-    ("command", "message"),
-    [
-        ("evaluate", "COMPENSATOR"),
-        ("evaluate pid-high --seeds 0", "--seeds"),
-        ("evaluate pid-high --wobble", "--wobble"),
-        ("evaluate pid-high --out mine.py", "mine.py"),
-        ("leaderboard --out mine.py", "mine.py"),
-        ("evaluat pid-high", "evaluat"),
-    ],
-)
-def test_wrong_usage(folder: Path, command: str, message: str) -> None:
-    result = run(*command.split())
-    assert result.code == 2
-    assert message in result.err
-    assert "Usage" in result.err
-
-
-# Tables on a narrow terminal
-
-WIDE = Ranking(
-    "FJRStiction-v0, nominal",
-    ["rank", "compensator", "FRR", "95 % interval", "ranks", "group", "steady-state error [mm]", "lag [ms]", "verdict"],
-    [["1", "a-long-name of mine", "0.9838", "0.9821 ... 0.9852", "1 ... 3", "ab", "0.0124", "5.1", "best"]] * 2
-    + [["", "theirs", "", "", "", "", "", "", "failed: KeyError: a long tale, which is told to its very end"]],
-)
-SETS = [f"{env}, {variant}" for env in ("FJRStiction-v0", "FJRRegulation-v0", "FJRSquare-v0") for variant in VARIANTS]
-SUMMARY = Ranking("Friction rejection ratio", ["compensator", *SETS], [["pid-measured", *map(str, range(9))]])
-
-
-@pytest.mark.parametrize("width", [60, 80, 100, 140])
-@pytest.mark.parametrize("ranking", [WIDE, SUMMARY])
-def test_tables_fit_the_terminal(
-    ranking: Ranking, width: int, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(view, "console", Console(width=width))
-    view.print_tables([ranking])
-    printed = capsys.readouterr().out
-    assert max(len(line) for line in printed.splitlines() if not line.startswith("left out")) <= width
-    assert "…" not in printed
-    named = {heading for heading in ranking.headings if all(word in printed for word in heading.split())}
-    assert named == set(ranking.headings)  # as a column, or as what was left out
-    if ranking is SUMMARY:
-        places = [cell for line in printed.splitlines() if "pid-measured" in line for cell in line.strip("│ ").split()]
-        assert [cell for cell in places if cell.isdigit()] == list("012345678")
-
-
-def test_a_wide_terminal_has_every_column(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    for width, left_out in ((150, False), (80, True)):
-        monkeypatch.setattr(view, "console", Console(width=width))
-        view.print_tables([WIDE])
-        assert ("left out" in capsys.readouterr().out) == left_out
-
-
-# Extras and plug-ins
-
-
-def test_how_to_install_an_extra(monkeypatch: pytest.MonkeyPatch) -> None:
-    """In a clone as the Makefile does it; else by the name of the package."""
-    clone = json.dumps({"url": "file:///somewhere", "dir_info": {"editable": True}})
-    in_place = ".venv/bin/pip install -c constraints.txt -e '.[tune]' (in the folder of the clone)"
-    for noted, command in (
-        (clone, in_place),
-        (None, "pip install 'fo-gym[tune]'"),
-        (json.dumps({"url": "file:///somewhere", "dir_info": {}}), "pip install 'fo-gym[tune]'"),
-    ):
-        installed = SimpleNamespace(read_text=lambda name, noted=noted: noted)
-        monkeypatch.setattr(extras, "distribution", lambda name, installed=installed: installed)
-        assert extras.install_command("tune") == command
-
-    def nowhere(name: str) -> None:
-        raise PackageNotFoundError(name)
-
-    monkeypatch.setattr(extras, "distribution", nowhere)
-    assert extras.install_command("tune") == in_place
-
-
-def test_extras_are_those_of_the_project() -> None:
-    """Every message names an extra that pyproject.toml has."""
-    root = Path(__file__).parents[1]
-    known = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
-    sources = [
-        path.read_text(encoding="utf-8") for part in ("fo_gym", "baselines") for path in (root / part).rglob("*.py")
-    ]
-    named = {extra for source in sources for extra in re.findall(r"install_command\(['\"](\w+)", source)}
-    assert {"ray", "reproduce", "rl", "tune"} == named <= set(known)
-    assert not [
-        source for source in sources if "pip install 'fo-gym[" in source and "def install_command" not in source
-    ]
-
-
-def test_commands_of_plug_ins(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    """Listed without being imported, run when called; one that is broken or has a name of ours spoils nothing."""
-    (tmp_path / "greeting.py").write_text(
-        'def greet(name: str) -> None:\n    """Greet somebody."""\n    print(f"hello {name}")\n', encoding="utf-8"
-    )
-    monkeypatch.syspath_prepend(tmp_path)
-    values = {"greet": "greeting:greet", "broken": "nowhere:at_all", "list": "greeting:greet"}
-    entries = [EntryPoint(name, value, "fo_gym.commands") for name, value in values.items()]
-    monkeypatch.setattr(cli, "entry_points", lambda group: entries)
-    listed = run("--help")
-    assert "greet" in listed.out
-    assert "fo-gym: command 'list' of greeting:greet is left out: the name is taken" in capsys.readouterr().err
-    assert "greeting" not in sys.modules
-    assert run("greet", "you").out == "hello you\n"
-    assert "Greet somebody." in run("greet", "--help").out
-    wrong = run("broken")
-    assert wrong.code == 2
-    assert "command 'broken' of nowhere:at_all cannot be loaded: No module named 'nowhere'" in wrong.err
-    assert "FJRStiction-v0" in run("list").out
