@@ -27,6 +27,7 @@ compensators = ["pid-low", "pd-low"]
 def test_shipped_protocols() -> None:
     assert set(shipped_protocols()) == {"full", "laws", "quick"}
     full, quick = load_protocol("full"), load_protocol("quick")
+    assert load_protocol("laws").compensators == full.compensators
     assert set(full.environments) <= set(ENVIRONMENTS)
     assert (full.split, full.seeds, full.variants) == ("leaderboard", 20, VARIANTS)
     assert set(SIX) <= set(full.compensators)
