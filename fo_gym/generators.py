@@ -19,6 +19,7 @@ __all__ = [
     "check_random_states",
     "restored",
     "seed_number",
+    "states_of",
 ]
 
 
@@ -66,6 +67,11 @@ def check_random_states(name: str, states: Any, count: int) -> None:
     scratch = np.random.default_rng(0)
     for i, state in enumerate(states):
         check_random_state(f"{name}[{i}]", state, scratch)
+
+
+def states_of(generators: Iterable[np.random.Generator]) -> list[dict[str, Any]]:
+    """Copies of the states of random generators."""
+    return [dict(generator.bit_generator.state) for generator in generators]
 
 
 def restored(states: Iterable[Any]) -> list[np.random.Generator]:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from fo_gym.checks import choice, instance, shown
 from fo_gym.envs.actions import checked_action
 from fo_gym.envs.rendering import SceneRenderer
-from fo_gym.generators import check_random_states, restored, seed_number
+from fo_gym.generators import check_random_states, restored, seed_number, states_of
 from fo_gym.parameters import JointInfo
 from fo_gym.robots import Robot, RobotLike
 from fo_gym.simulation.settings import Settings
@@ -213,8 +213,7 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         """A copy of the full state: simulation, random generators, and who resets at the next step."""
         if not self._generators:
             raise gym.error.ResetNeeded("get_state() was called before the first reset()")
-        generators = [dict(generator.bit_generator.state) for generator in self._generators]
-        return self.simulation.get_state(), generators, self._ended.copy()
+        return self.simulation.get_state(), states_of(self._generators), self._ended.copy()
 
     def set_state(self, state: tuple[SimulationState, list[dict[str, Any]], NDArray[np.bool_]]) -> None:
         """Continue from what `get_state` returned, exactly.

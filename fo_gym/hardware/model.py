@@ -83,7 +83,7 @@ class HardwareModel:
         self._effects: list[tuple[Effect, Episodes]] = []
         truth = self._truth()
         self.readings = readings
-        plant.sense(*readings)
+        self._read(truth.readings)
         if hardware is not None:
             hardware.check_joints(plant.dof)
             joints = FlexibleJoint(plant.stiffness[0], plant.damping[0], plant.motor_inertia[0], torque_limit)
@@ -143,13 +143,14 @@ class HardwareModel:
 
     def look(self) -> None:
         """Sample the sensors, once per tick: every look takes new noise."""
-        if self._effects:
-            readings = self._now().readings
-        if not self._asked["measure"]:
-            self.plant.sense(*self.readings)
-            return
+        plant = self.plant
+        # Without effects there is nobody who might write into the truth: it needs no copy.
+        readings = self._now().readings if self._effects else Readings(plant.theta, plant.theta_dot, plant.tau_j)
         for effect, episodes in self._asked["measure"]:
             readings = effect.measure(readings, episodes)
+        self._read(readings)
+
+    def _read(self, readings: Readings) -> None:
         for own, read in zip(self.readings, readings, strict=True):
             own[:] = read
 

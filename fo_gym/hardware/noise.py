@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.generators import restored
+from fo_gym.generators import restored, states_of
 
 Array = NDArray[np.float64]
 
@@ -34,19 +34,16 @@ class Noise:
         self._block = np.empty((0, len(self._generators), dof))
         self._used = 0
         # The state of each generator before its share of the block, and the row where that begins.
-        self._states = self._present()
+        self._states = states_of(self._generators)
         self._begins = [0] * len(self._generators)
 
     def __len__(self) -> int:
         return len(self._generators)
 
-    def _present(self) -> list[dict[str, Any]]:
-        return [dict(generator.bit_generator.state) for generator in self._generators]
-
     def standard_normal(self) -> Array:
         """New noise, (n, dof), not to be written into."""
         if self._used == len(self._block):
-            self._states, self._begins, self._used = self._present(), [0] * len(self), 0
+            self._states, self._begins, self._used = states_of(self._generators), [0] * len(self), 0
             self._block = np.empty((_AHEAD, *self._block.shape[1:]))
             for i, generator in enumerate(self._generators):
                 self._block[:, i] = generator.standard_normal((_AHEAD, self._block.shape[2]))
@@ -61,7 +58,7 @@ class Noise:
         now = restored(self._states)
         for generator, begins in zip(now, self._begins, strict=True):
             generator.standard_normal((self._used - begins, self._block.shape[2]))
-        return [dict(generator.bit_generator.state) for generator in now]
+        return states_of(now)
 
     def put(self, ids: Sequence[int] | NDArray[np.intp], other: Noise) -> None:
         """Let the noise of new episodes take the place of that in the named rows."""

@@ -76,12 +76,11 @@ def predict(state, q_dot_before, dt, q, q_dot):
 
 
 @njit(cache=True, error_model="numpy")
-def sense(state, joints, theta, theta_dot, tau_j):
-    """What perfect sensors measure, (num_envs, dof) each: the motors, and K_j (theta - q) + D_j (theta' - q')."""
+def spring_torque(state, joints, tau_j):
+    """What the torque sensors measure, K_j (theta - q) + D_j (theta' - q'), into tau_j (num_envs, dof)."""
     num_envs, dof = tau_j.shape
     for i in range(num_envs):
         for j in range(dof):
-            theta[i, j], theta_dot[i, j] = state[2, i, j], state[3, i, j]
             spring = joints[i, j, 0] * (state[2, i, j] - state[0, i, j])
             tau_j[i, j] = spring + joints[i, j, 1] * (state[3, i, j] - state[1, i, j])
 

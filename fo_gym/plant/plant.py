@@ -13,7 +13,7 @@ from fo_gym.checks import POSITIVE, instance, number, real, real_array, shown, w
 from fo_gym.friction import FrictionLaw
 from fo_gym.micro_steps import PhysicsDt, StepAdvice, advise_steps, auto_steps, check_steps, is_auto, micro_steps
 from fo_gym.parameters import JOINT, FlexibleJoint, check_joints, packed
-from fo_gym.plant.kernel import MOTION, predict, sense
+from fo_gym.plant.kernel import MOTION, predict, spring_torque
 from fo_gym.plant.kernels import kernel_of
 from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.plant.state import PlantState
@@ -191,14 +191,9 @@ class FlexibleJointPlant:
     @property
     def tau_j(self) -> Array:
         """What the torque sensors measure, K_j (theta - q) + D_j (theta' - q'), (num_envs, dof), N or N m."""
-        readings = np.empty((3, *self.q.shape))
-        self.sense(*readings)
-        tau_j: Array = readings[2]
+        tau_j = np.empty_like(self.q)
+        spring_torque(self._state, self._joints, tau_j)
         return tau_j
-
-    def sense(self, theta: Array, theta_dot: Array, tau_j: Array) -> None:
-        """Write what perfect sensors measure into these arrays, (num_envs, dof)."""
-        sense(self._state, self._joints, theta, theta_dot, tau_j)
 
     def step(self, tau_m: Array, tau_ext: Array) -> None:
         """Advance one control period with motor and external torques held, (num_envs, dof) each, N or N m.

@@ -102,11 +102,11 @@ class RigidBody:
         self._body_inertia[rows] = self.model.body_inertia * self.mass_scale[rows, None, None]
         self._batch.set_const(ids)
 
-    def _forward(self, q: Array, q_dot: Array | float, ids: Ids) -> Any:
+    def _forward(self, q: Array, q_dot: Array | float, ids: Ids, stage: int = _VELOCITY_STAGE) -> Any:
         rows = slice(None) if ids is None else ids
         self._qpos[rows] = q
         self._qvel[rows] = q_dot
-        self._batch.forward(ids, _VELOCITY_STAGE)
+        self._batch.forward(ids, stage)
         return rows
 
     @property
@@ -150,8 +150,7 @@ class RigidBody:
 
     def tool_position(self, q: Array) -> Array:
         """Tool position in the world at q (num_envs, dof): (num_envs, 3), m."""
-        self._qpos[:] = q
-        self._batch.forward(None, _POSITION_STAGE)
+        self._forward(q, 0.0, None, _POSITION_STAGE)
         return self._tool_position.copy()
 
     def tool_pose(self, q: Array, ids: Ids = None) -> tuple[ToolPose, Array]:
