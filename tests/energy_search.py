@@ -69,8 +69,8 @@ class Account:
         self._model, size = self.plant.body.model, simulation.num_envs
         self._position = self.plant.body._batch.bind("xipos")
         self.put_in, self.turned_over, self.lowest = np.zeros(size), np.zeros(size), np.zeros(size)
-        self._step = self.plant.step
-        self.plant.step = self.step  # type: ignore[method-assign]
+        self._advance = self.plant.advance
+        self.plant.advance = self.advance  # type: ignore[method-assign]
 
     def begin(self, ids: np.ndarray) -> None:
         """Environments that have just been reset."""
@@ -78,10 +78,10 @@ class Account:
         self.lowest[ids] = self.stored()[ids]
         self.turned_over[ids] = 0.0
 
-    def step(self, tau_m: np.ndarray, tau_ext: np.ndarray) -> None:
-        """The plant's step, with its torques' work."""
+    def advance(self, tau_m: np.ndarray, tau_ext: np.ndarray) -> None:
+        """The plant's `advance`, with its torques' work."""
         q, theta = self.plant.q.copy(), self.plant.theta.copy()
-        self._step(tau_m, tau_ext)
+        self._advance(tau_m, tau_ext)
         work = np.concatenate([tau_m * (self.plant.theta - theta), tau_ext * (self.plant.q - q)], axis=1)
         self.put_in += work.sum(axis=1)
         self.turned_over += np.abs(work).sum(axis=1)

@@ -27,6 +27,7 @@ FLOW = (
     (
         "envs_assets",
         "fo_gym.checks",
+        "fo_gym.compiling",
         "fo_gym.extras",
         "fo_gym.instructions",
         "fo_gym.modules",

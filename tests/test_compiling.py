@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from fo_gym import compiling
 from fo_gym.friction import LuGre
-from fo_gym.plant import compiling
 from fo_gym.plant.kernels import kernel_of
 
 ROOT = Path(__file__).parents[1]

@@ -121,8 +121,8 @@ def test_without_friction_the_motor_follows_with_gravity_and_velocity_of_the_pat
     control.reset(only, [Scenario(robot.friction, robot.flexible, 1.0, robot.home, None, None)])
     farthest = 0.0
     for tick in range(4000):
-        control.update(np.array([tick]))
-        torque = control.torque(plant.theta, plant.theta_dot)
+        torque = np.empty((1, plant.dof))
+        control.follow(np.array([tick]), plant.theta, plant.theta_dot, torque)
         if tick % 500 == 250:
             offset, velocity = path.at(np.array([tick * 1e-3]))
             gravity = plant.body.gravity(robot.home + offset)

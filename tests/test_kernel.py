@@ -99,7 +99,7 @@ def random_batch(num_envs: int, dof: int) -> dict[str, np.ndarray]:
     return {
         "state": scale * generator.normal(size=(len(MOTION) + 1, num_envs, dof)),
         "tau_m": generator.normal(size=(num_envs, dof)),
-        "load": generator.normal(size=(num_envs, dof)),
+        "tau_ext": generator.normal(size=(num_envs, dof)),
         "damping": generator.uniform(0.0, 2.0, size=(num_envs, dof)),
         "inertia": inertia[:, *np.tril_indices(dof)],
         "joints": np.stack([values[name] for name in JOINT], axis=-1),
@@ -110,7 +110,9 @@ def random_batch(num_envs: int, dof: int) -> dict[str, np.ndarray]:
 def advance_batch(batch: dict[str, np.ndarray], h: float = H) -> tuple[np.ndarray, np.ndarray]:
     """State and mean friction after 10 ms."""
     state, tau_f = batch["state"].copy(), np.zeros_like(batch["tau_m"])
-    links = batch["load"], batch["damping"], batch["inertia"], *full_triangle(tau_f.shape[1])
+    nothing = np.zeros_like(tau_f)
+    loads = batch["tau_ext"], nothing, nothing, batch["damping"], nothing[0]
+    links = loads, batch["inertia"], full_triangle(tau_f.shape[1])
     parameters = batch["joints"], batch["friction"]
     kernel_of(LuGre(**PAPER))(state, batch["tau_m"], *links, *parameters, h, round(1e-2 / h), tau_f)
     return state, tau_f
@@ -138,7 +140,7 @@ def test_order_of_the_batch_does_not_matter() -> None:
     np.testing.assert_array_equal(friction, tau_f[order])
 
 
-@pytest.mark.parametrize("broken", ["state", "tau_m", "load", "damping", "inertia", "joints", "friction"])
+@pytest.mark.parametrize("broken", ["state", "tau_m", "tau_ext", "damping", "inertia", "joints", "friction"])
 def test_lost_neighbours_do_not_matter(broken: str) -> None:
     """NaN anywhere in environments 0 and 4 stays there."""
     batch = random_batch(num_envs=5, dof=3)
@@ -175,7 +177,7 @@ def test_coupled_links_follow_the_exact_solution() -> None:
                 [B @ K, B @ D, -B @ K, -B @ D],
             ]
         )
-        constant = np.concatenate([np.zeros(3), inverse @ batch["load"][i], np.zeros(3), B @ batch["tau_m"][i]])
+        constant = np.concatenate([np.zeros(3), inverse @ batch["tau_ext"][i], np.zeros(3), B @ batch["tau_m"][i]])
         augmented = np.zeros((13, 13))
         augmented[:12, :12], augmented[:12, 12] = A, constant
         exact = expm(augmented * 1e-2) @ np.append(batch["state"][:4, i].ravel(), 1.0)
@@ -189,7 +191,7 @@ def test_a_damper_of_any_strength_only_takes() -> None:
     batch = random_batch(num_envs=4, dof=1)
     batch["damping"] *= 1e6
     batch["joints"][..., :2] = 0.0  # no springs
-    batch["load"][:] = 0.0
+    batch["tau_ext"][:] = 0.0
     speed = np.abs(batch["state"][1])
     for _ in range(5):
         state, _ = advance_batch(batch)

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from fo_gym.compiling import jit
 from fo_gym.parameters import ImpedanceGains, check_joints
 from fo_gym.plant.rigid_body import RigidBody
 
@@ -80,7 +80,7 @@ class Impedance:
         return tau_c
 
 
-@njit(cache=True, error_model="numpy")
+@jit
 def _add_impedance(
     tau_c, position, rotation, jacobian, theta, theta_dot, x_d, x_dot_d, rotation_d, held, redundant, tool, elbow
 ):

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from fo_gym.compiling import jit
 
 Array = NDArray[np.float64]
 
-__all__ = ["NominalMotor"]
+__all__ = ["NominalMotor", "move_nominal"]
 
 
 class NominalMotor:
@@ -30,11 +31,12 @@ class NominalMotor:
 
     def step(self, tau_c: Array, tau_j: Array, motor_inertia: Array) -> None:
         """Advance one control period with the values of its first tick, (num_envs, dof) each."""
-        _step(self.theta, self.theta_dot, tau_c, tau_j, motor_inertia, self.dt)
+        move_nominal(self.theta, self.theta_dot, tau_c, tau_j, motor_inertia, self.dt)
 
 
-@njit(cache=True, error_model="numpy")
-def _step(theta, theta_dot, tau_c, tau_j, motor_inertia, dt):
+@jit
+def move_nominal(theta, theta_dot, tau_c, tau_j, motor_inertia, dt):
+    """One period of all nominal motors, in place; see NominalMotor.step."""
     num_envs, dof = theta.shape
     for i in range(num_envs):
         for j in range(dof):

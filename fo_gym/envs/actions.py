@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.checks import real
+from fo_gym.compiling import jit
 
 __all__ = ["checked_action"]
 
@@ -15,7 +16,7 @@ __all__ = ["checked_action"]
 def checked_action(
     action: Any, shape: tuple[int, ...], ignored: NDArray[np.bool_] | None = None
 ) -> NDArray[np.float64]:
-    """The action as float64; zero in the rows that are `ignored`.
+    """The action as a contiguous array of float64; zero in the rows that are `ignored`.
 
     Raises:
         ValueError: the action does not hold real numbers, has another shape than `shape`, or a value is NaN or
@@ -26,8 +27,13 @@ def checked_action(
         raise ValueError(f"action has shape {array.shape}; this environment takes {shape}")
     if ignored is not None and ignored.any():
         array = np.where(ignored[:, None], 0.0, array)
-    finite = np.isfinite(array)
-    if not finite.all():
-        place = np.argwhere(~finite)[0]
+    array = np.ascontiguousarray(array)  # of which the compiled functions are compiled
+    if not _all_finite(array.reshape(-1)):
+        place = np.argwhere(~np.isfinite(array))[0]
         raise ValueError(f"action{place.tolist()} is {array[tuple(place)]}; every value must be finite")
     return array
+
+
+@jit
+def _all_finite(values):
+    return np.isfinite(values).all()

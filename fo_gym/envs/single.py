@@ -73,7 +73,7 @@ class JointEnv(gym.Env[Array, Array]):
         return replace(info, **first)
 
     def _info(self) -> dict[str, Any]:
-        return {name: value[0] for name, value in self.simulation.truth().items()}
+        return self.simulation.truth(0)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Array, dict[str, Any]]:
         """Start an episode: the joints in static equilibrium, the nominal motor on the motor, bristles at rest.

@@ -143,9 +143,10 @@ class HardwareModel:
 
     def look(self) -> None:
         """Sample the sensors, once per tick: every look takes new noise."""
-        plant = self.plant
-        # Without effects there is nobody who might write into the truth: it needs no copy.
-        readings = self._now().readings if self._effects else Readings(plant.theta, plant.theta_dot, plant.tau_j)
+        if not self._effects:
+            self.plant.sense(*self.readings)
+            return
+        readings = self._now().readings
         for effect, episodes in self._asked["measure"]:
             readings = effect.measure(readings, episodes)
         self._read(readings)
@@ -171,7 +172,7 @@ class HardwareModel:
         if self._asked["motor_torque"]:
             self.motor_torque[:] = sum(effect.motor_torque(each) for effect, each in self._asked["motor_torque"])
             tau_m = tau_m + self.motor_torque
-        self.plant.step(tau_m, tau_ext)
+        self.plant.advance(tau_m, tau_ext)
 
     def _imperfect(self) -> dict[str, Array]:
         """The readings, by signal, where an effect has made them: they cannot be had again from the truth."""

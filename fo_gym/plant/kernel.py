@@ -16,15 +16,23 @@ import math
 import numpy as np
 from numba import njit
 
+from fo_gym.compiling import jit
+
 # Rows of the packed state (4 + states, num_envs, dof), before those of friction's states.
 MOTION = ("q", "q_dot", "theta", "theta_dot")
 
 _PASSES = 2
 
+_BLOCK = 112
+"""Joints of a block of environments, about."""
 
-@njit(cache=True, error_model="numpy")
+
+@jit
 def _factorise(inertia, row_nonzeros, row_start, columns, added, lower):
-    """Cholesky factor of M + diag(added) into `lower`, M from MuJoCo's sparse lower triangle. False if not positive."""
+    """Cholesky factor L of M + diag(added), M from MuJoCo's sparse lower triangle; False where it is not positive.
+
+    `lower` holds L with the reciprocals of its diagonal, so that `_solve` need not divide.
+    """
     dof = lower.shape[0]
     for i in range(dof):
         for j in range(dof):
@@ -40,27 +48,31 @@ def _factorise(inertia, row_nonzeros, row_start, columns, added, lower):
             if i == j:
                 if not value > 0.0:
                     return False
-                lower[i, i] = math.sqrt(value)
+                lower[i, i] = 1.0 / math.sqrt(value)
             else:
-                lower[i, j] = value / lower[j, j]
+                lower[i, j] = value * lower[j, j]
     return True
 
 
-@njit(cache=True, error_model="numpy")
+@jit
 def _solve(lower, x):
-    """Solve (L L^T) x = x in place."""
-    dof = x.shape[0]
+    """Solve (L L^T) x = x in place, (dof, n) for n environments side by side; `lower`, (dof, dof, n), as above."""
+    dof, envs = x.shape
     for i in range(dof):
         for k in range(i):
-            x[i] -= lower[i, k] * x[k]
-        x[i] /= lower[i, i]
+            for e in range(envs):
+                x[i, e] -= lower[i, k, e] * x[k, e]
+        for e in range(envs):
+            x[i, e] *= lower[i, i, e]
     for i in range(dof - 1, -1, -1):
         for k in range(i + 1, dof):
-            x[i] -= lower[k, i] * x[k]
-        x[i] /= lower[i, i]
+            for e in range(envs):
+                x[i, e] -= lower[k, i, e] * x[k, e]
+        for e in range(envs):
+            x[i, e] *= lower[i, i, e]
 
 
-@njit(cache=True, error_model="numpy")
+@jit
 def predict(state, q_dot_before, dt, q, q_dot):
     """The predicted middle of a control period of dt seconds, into q and q_dot (num_envs, dof).
 
@@ -75,58 +87,91 @@ def predict(state, q_dot_before, dt, q, q_dot):
             q_dot_before[i, j] = rate
 
 
-@njit(cache=True, error_model="numpy")
-def spring_torque(state, joints, tau_j):
-    """What the torque sensors measure, K_j (theta - q) + D_j (theta' - q'), into tau_j (num_envs, dof)."""
+@jit
+def sense(state, joints, theta, theta_dot, tau_j):
+    """What perfect sensors give, (num_envs, dof) each: the motors' motion, and K_j (theta - q) + D_j (theta' - q')."""
     num_envs, dof = tau_j.shape
     for i in range(num_envs):
         for j in range(dof):
+            theta[i, j], theta_dot[i, j] = state[2, i, j], state[3, i, j]
             spring = joints[i, j, 0] * (state[2, i, j] - state[0, i, j])
             tau_j[i, j] = spring + joints[i, j, 1] * (state[3, i, j] - state[1, i, j])
+
+
+@jit
+def _begin(start, end, h, state, links, inertia, layout, joints, held, z, damped, lower):
+    """What is held over a period for the environments from `start` to `end`, and the states of their friction."""
+    tau_ext, bias, passive, link_damping, damping = links
+    load, damper, half = held[0], held[1], held[2]
+    dof = len(lower)
+    added = np.empty(dof)
+    for i in range(start, end):
+        damped[i - start] = False
+        for j in range(dof):
+            m = (i - start) * dof + j
+            load[m] = tau_ext[i, j] - (bias[i, j] - passive[i, j])
+            damper[m] = link_damping[i, j] + damping[j]
+            half[m] = 0.5 * h / joints[i, j, 2]
+            added[j] = 0.5 * h * (joints[i, j, 1] + damper[m])
+            damped[i - start] = damped[i - start] or joints[i, j, 1] > 0.0
+            for k in range(z.shape[1]):
+                z[m, k] = state[4 + k, i, j]
+        if not _factorise(inertia[i], layout[0], layout[1], layout[2], added, lower[:, :, i - start]):
+            # M is positive definite for every finite pose: the state is lost, and says so.
+            state[:, i, :] = np.nan
+            lower[:, :, i - start] = np.nan
 
 
 def kernel(respond, step, states, memory):
     """The kernel of a law from its compiled functions, its number of states and what it hands on."""
 
-    @njit(error_model="numpy")
-    def kick(q, w, theta, v, z, load, damping, tau_m, joints, friction, lower, h, damped, v_mid, w_mid, tau_f, memo):
-        """Velocities and states of friction of one environment over h at held positions; adds to the sum `tau_f`."""
-        dof = q.shape[0]
-        for j in range(dof):
+    @njit(inline="always", error_model="numpy")
+    def kick(q, w, theta, v, z, held, tau_m, joints, friction, lower, h, damped, scratch, x, tau_f, memo):
+        """Velocities and states of friction of a block over h at held positions; adds to the sum `tau_f`."""
+        dof, envs = len(x), len(damped)
+        load, damper, half = held[0], held[1], held[2]
+        v_mid, w_mid, spring = scratch[0], scratch[1], scratch[2]
+        for j in range(envs * dof):
             v_mid[j] = v[j]
             w_mid[j] = w[j]
+            spring[j] = joints[j, 0] * (theta[j] - q[j])
         for sweep in range(_PASSES):
-            for j in range(dof):
-                drive = tau_m[j] - joints[j, 0] * (theta[j] - q[j]) + joints[j, 1] * w_mid[j]
-                held, slope = respond(v_mid[j], z[j], h, friction[j], memo[j])
-                half = 0.5 * h / joints[j, 2]
-                v_mid[j] = (v[j] + half * (drive - held)) / (1.0 + half * (joints[j, 1] + slope))
+            for j in range(envs * dof):
+                drive = tau_m[j] - spring[j] + joints[j, 1] * w_mid[j]
+                rest, slope = respond(v_mid[j], z[j], h, friction[j], memo[j])
+                v_mid[j] = (v[j] + half[j] * (drive - rest)) / (1.0 + half[j] * (joints[j, 1] + slope))
             # The links feel the motors' velocities only through the springs' damping.
-            if damped or sweep == _PASSES - 1:
-                for j in range(dof):
-                    spring = joints[j, 0] * (theta[j] - q[j]) + joints[j, 1] * (v_mid[j] - w[j])
-                    w_mid[j] = 0.5 * h * (spring - damping[j] * w[j] + load[j])
-                _solve(lower, w_mid)
-                for j in range(dof):
-                    w_mid[j] += w[j]
-        for j in range(dof):
+            last = sweep == _PASSES - 1
+            if last or damped.any():
+                for i in range(envs):
+                    for k in range(dof):
+                        j = i * dof + k
+                        pull = spring[j] + joints[j, 1] * (v_mid[j] - w[j])
+                        x[k, i] = 0.5 * h * (pull - damper[j] * w[j] + load[j])
+                _solve(lower, x)
+                for i in range(envs):
+                    if last or damped[i]:
+                        for k in range(dof):
+                            w_mid[i * dof + k] = x[k, i] + w[i * dof + k]
+        for j in range(envs * dof):
             tau_f[j] += step(v_mid[j], z[j], h, friction[j], memo[j])
             v[j] = 2.0 * v_mid[j] - v[j]
             w[j] = 2.0 * w_mid[j] - w[j]
 
     @njit(error_model="numpy", nogil=True)
-    def advance(
-        state, tau_m, load, damping, inertia, row_nonzeros, row_start, columns, joints, friction, h, steps, tau_f
-    ):
+    def advance(state, tau_m, links, inertia, layout, joints, friction, h, steps, tau_f):
         """Advance every environment by `steps` micro-steps of h seconds, in place.
+
+        Blocks of environments go together, joint after joint, which keeps the processor's units busy.
 
         Args:
             state: (4 + states, num_envs, dof), rows as in MOTION, then the law's states.
             tau_m: motor torque, held, (num_envs, dof).
-            load: tau_ext - bias on the links, held, (num_envs, dof).
-            damping: of dampers between the links and the world, held, (num_envs, dof).
+            links: (tau_ext, bias, passive, link_damping, damping), held: tau_ext - (bias - passive) acts on the links
+                beside the springs, (num_envs, dof) each; both dampings are of dampers between the links and the world,
+                (num_envs, dof) and (dof,).
             inertia: M of each environment as MuJoCo's sparse lower triangle, held, (num_envs, nonzeros).
-            row_nonzeros, row_start, columns: that triangle's layout.
+            layout: (row_nonzeros, row_start, columns) of that triangle.
             joints: motors and springs, (num_envs, dof, 3), columns as in fo_gym.parameters.JOINT.
             friction: the law's parameters, (num_envs, dof), of its dtype.
             h: micro-step [s].
@@ -134,36 +179,39 @@ def kernel(respond, step, states, memory):
             tau_f: out, mean friction torque over the whole period, (num_envs, dof).
         """
         num_envs, dof = tau_m.shape
-        lower, vectors = np.empty((dof, dof)), np.empty((3, dof))
-        added, v_mid, w_mid = vectors[0], vectors[1], vectors[2]
-        z, memo = np.empty((dof, states)), np.empty((dof, memory))
-        for i in range(num_envs):
-            q, w, theta, v = state[0, i], state[1, i], state[2, i], state[3, i]
-            damped = False
-            for j in range(dof):
-                added[j] = 0.5 * h * (joints[i, j, 1] + damping[i, j])
-                damped = damped or joints[i, j, 1] > 0.0
-                tau_f[i, j] = 0.0
-                for k in range(states):
-                    z[j, k] = state[4 + k, i, j]
-            if not _factorise(inertia[i], row_nonzeros, row_start, columns, added, lower):
-                # M is positive definite for every finite pose: the state is lost, and says so.
-                state[:, i, :] = np.nan
-                tau_f[i, :] = np.nan
-                continue
-            pull, damper, drive, joint, rubs, sums = load[i], damping[i], tau_m[i], joints[i], friction[i], tau_f[i]
+        size, most = num_envs * dof, min(num_envs, max(1, _BLOCK // dof))
+        held, scratch = np.empty((3, most * dof)), np.empty((3, most * dof))
+        z, memo = np.empty((most * dof, states)), np.empty((most * dof, memory))
+        # Where the last block has fewer environments, the others' lanes go on idly.
+        lower, x, damped = np.zeros((dof, dof, most)), np.zeros((dof, most)), np.empty(most, dtype=np.bool_)
+        # Joint after joint, environment after environment.
+        moving, drives, sums = state.reshape((4 + states, size)), tau_m.reshape(size), tau_f.reshape(size)
+        parameters, frictions = joints.reshape((size, 3)), friction.reshape(size)
+        sums[:] = 0.0
+        for start in range(0, num_envs, most):
+            end = min(start + most, num_envs)
+            _begin(start, end, h, state, links, inertia, layout, joints, held, z, damped, lower)
+            a, b = start * dof, end * dof
+            q, w, theta, v = moving[0, a:b], moving[1, a:b], moving[2, a:b], moving[3, a:b]
+            drive, joint, rubs, total, damps = (
+                drives[a:b],
+                parameters[a:b],
+                frictions[a:b],
+                sums[a:b],
+                damped[: end - start],
+            )
             for number in range(steps):
                 # Two half drifts meet between micro-steps; only the first and the last are half.
-                drift = h if number > 0 else 0.5 * h
-                for j in range(dof):
-                    q[j] += drift * w[j]
-                    theta[j] += drift * v[j]
-                kick(q, w, theta, v, z, pull, damper, drive, joint, rubs, lower, h, damped, v_mid, w_mid, sums, memo)
-            for j in range(dof):
+                length = h if number > 0 else 0.5 * h
+                for j in range(b - a):
+                    q[j] += length * w[j]
+                    theta[j] += length * v[j]
+                kick(q, w, theta, v, z, held, drive, joint, rubs, lower, h, damps, scratch, x, total, memo)
+            for j in range(b - a):
                 q[j] += 0.5 * h * w[j]
                 theta[j] += 0.5 * h * v[j]
-                tau_f[i, j] /= steps
+                sums[a + j] /= steps
                 for k in range(states):
-                    state[4 + k, i, j] = z[j, k]
+                    moving[4 + k, a + j] = z[j, k]
 
     return advance

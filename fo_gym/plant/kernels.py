@@ -7,9 +7,9 @@ import inspect
 from collections.abc import Callable
 from typing import Any
 
+from fo_gym.compiling import compiled, kept
 from fo_gym.friction import FrictionLaw
 from fo_gym.plant import kernel
-from fo_gym.plant.compiling import compiled, kept
 
 _KERNELS: dict[tuple[type[FrictionLaw], int], Callable[..., None]] = {}
 

@@ -13,7 +13,7 @@ from fo_gym.checks import POSITIVE, instance, number, real, real_array, shown, w
 from fo_gym.friction import FrictionLaw
 from fo_gym.micro_steps import PhysicsDt, StepAdvice, advise_steps, auto_steps, check_steps, is_auto, micro_steps
 from fo_gym.parameters import JOINT, FlexibleJoint, check_joints, packed
-from fo_gym.plant.kernel import MOTION, predict, spring_torque
+from fo_gym.plant.kernel import MOTION, predict, sense
 from fo_gym.plant.kernels import kernel_of
 from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.plant.state import PlantState
@@ -191,9 +191,13 @@ class FlexibleJointPlant:
     @property
     def tau_j(self) -> Array:
         """What the torque sensors measure, K_j (theta - q) + D_j (theta' - q'), (num_envs, dof), N or N m."""
-        tau_j = np.empty_like(self.q)
-        spring_torque(self._state, self._joints, tau_j)
-        return tau_j
+        readings = np.empty((3, *self.q.shape))
+        self.sense(*readings)
+        return readings[2]
+
+    def sense(self, theta: Array, theta_dot: Array, tau_j: Array) -> None:
+        """Write what perfect sensors measure into three arrays, (num_envs, dof) each."""
+        sense(self._state, self._joints, theta, theta_dot, tau_j)
 
     def step(self, tau_m: Array, tau_ext: Array) -> None:
         """Advance one control period with motor and external torques held, (num_envs, dof) each, N or N m.
@@ -205,11 +209,16 @@ class FlexibleJointPlant:
         for name, torque in (("tau_m", tau_m), ("tau_ext", tau_ext)):
             if torque.shape != self.q.shape:
                 raise ValueError(f"{name} has shape {torque.shape}; this plant needs {self.q.shape}")
-        predict(self._state, self._q_dot_before, self.control_dt, *self.body.inputs)
-        inertia, bias = self.body.forward()
-        links = tau_ext - bias, self.link_damping + self.body.damping, inertia, *self.body.layout
-        parameters = self._joints, self._friction
-        self._advance(self._state, tau_m, *links, *parameters, self.physics_dt, self.steps, self.tau_f)
+        self.advance(tau_m, tau_ext)
+
+    def advance(self, tau_m: Array, tau_ext: Array) -> None:
+        """`step` for torques that are known to be arrays of float64 of the right shape."""
+        body, steps = self.body, (self.physics_dt, self.steps)
+        predict(self._state, self._q_dot_before, self.control_dt, *body.inputs)
+        body.forward()
+        bias, passive, inertia = body.outputs
+        links = (tau_ext, bias, passive, self.link_damping, body.damping), inertia, body.layout
+        self._advance(self._state, tau_m, *links, self._joints, self._friction, *steps, self.tau_f)
         self._ticks += 1
 
     @property

@@ -46,6 +46,8 @@ class RigidBody:
             them implicitly, and no part of the bias.
         layout: (row_nonzeros, row_start, columns) of the sparse lower triangle in which `dynamics` gives M.
         mass_scale: factor on the masses of each environment, (num_envs,).
+        inputs: where `forward` reads q and q_dot, (num_envs, dof) each, to be written into.
+        outputs: what it writes, until the next query does: bias, and what it is less of, (num_envs, dof) each, and M.
     """
 
     def __init__(self, link_side: LinkSide, num_envs: int) -> None:
@@ -65,6 +67,7 @@ class RigidBody:
         self._inertia = self._batch.bind("M")
         self._bias = self._batch.bind("qfrc_bias")
         self._passive = self._batch.bind("qfrc_passive")
+        self.inputs, self.outputs = (self._qpos, self._qvel), (self._bias, self._passive, self._inertia)
         if self.link_side.tool is not None:
             site = self.model.site(self.link_side.tool)
             self._tool_body = int(site.bodyid[0])
@@ -109,15 +112,9 @@ class RigidBody:
         self._batch.forward(ids, stage)
         return rows
 
-    @property
-    def inputs(self) -> tuple[Array, Array]:
-        """Where `forward` reads q and q_dot, (num_envs, dof) each, to be written into."""
-        return self._qpos, self._qvel
-
-    def forward(self) -> tuple[Array, Array]:
-        """What `dynamics` gives, for all environments at `inputs`; M in memory that the next query overwrites."""
+    def forward(self) -> None:
+        """What `dynamics` gives, for all environments at `inputs`, into `outputs`."""
         self._batch.forward(None, _VELOCITY_STAGE)
-        return self._inertia, self._bias - self._passive
 
     def dynamics(self, q: Array, q_dot: Array, ids: Ids = None) -> tuple[Array, Array]:
         """Inertia and bias at (q, q_dot), (n, dof) each.

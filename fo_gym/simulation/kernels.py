@@ -7,9 +7,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numba import njit
-
+from fo_gym.compiling import jit
+from fo_gym.control.nominal_motor import move_nominal
 from fo_gym.tasks.stroke import stroke_at
 
 INSIDE, OUTSIDE, LOST = 0, 1, 2
@@ -18,10 +17,13 @@ INSIDE, OUTSIDE, LOST = 0, 1, 2
 TAU_M, TAU_EXT, TAU_F, TAU_DIST, TAU_F_HAT = range(5)
 """Rows of what acted in the past step, as in PastStep."""
 
-__all__ = ["INSIDE", "LOST", "OUTSIDE", "add_acted", "pull", "rewards", "torques", "whereabouts"]
+ROUGHNESS_WEIGHT = 0.1
+"""Share of the reward that a rough motor torque costs at most."""
+
+__all__ = ["INSIDE", "LOST", "OUTSIDE", "close", "pull", "settle", "torques"]
 
 
-@njit(cache=True, error_model="numpy")
+@jit
 def torques(ticks, dt, push_time, push_duration, push_torque, tau_c, action, limit, compensates, acting):
     """Torques that are held over the coming control period.
 
@@ -48,8 +50,32 @@ def torques(ticks, dt, push_time, push_duration, push_torque, tau_c, action, lim
             acting[TAU_F_HAT, i, j] = value if compensates else 0.0
 
 
-@njit(cache=True, error_model="numpy")
-def add_acted(acting, tau_f, motor_torque, tick, ticks, past):
+@jit
+def settle(
+    ticks, dt, time, tau_c, tau_j, nominal, acting, tau_f, motor_torque, tick, decimation, past, state, box, where
+):
+    """What is left to do when the joints have moved: nominal motors, means, and the clocks; returns as `_whereabouts`.
+
+    Args:
+        ticks: of each environment, (num_envs,), of which one more is over; in place.
+        dt: control period [s].
+        time: out, of each environment, (num_envs, 1) [s].
+        tau_c, tau_j: control torque and measured torque at the start of the period, (num_envs, dof).
+        nominal: (theta_n, theta_n_dot, motor_inertia), see NominalMotor; the first two in place.
+        acting, tau_f, motor_torque, tick, decimation, past: see `_add_acted`.
+        state, box, where: see `_whereabouts`; the box is (low, high).
+    """
+    everyone = _whereabouts(state, box[0], box[1], where)
+    move_nominal(nominal[0], nominal[1], tau_c, tau_j, nominal[2], dt)
+    _add_acted(acting, tau_f, motor_torque, tick, decimation, where, past)
+    for i in range(len(ticks)):
+        ticks[i] += 1
+        time[i, 0] = ticks[i] * dt
+    return everyone
+
+
+@jit
+def _add_acted(acting, tau_f, motor_torque, tick, ticks, where, past):
     """Add what acted in a control period to the means over a step, all (5, num_envs, dof) [N | N m].
 
     Args:
@@ -57,13 +83,14 @@ def add_acted(acting, tau_f, motor_torque, tick, ticks, past):
         tau_f: friction, (num_envs, dof).
         motor_torque: what else disturbed the motors, (num_envs, dof).
         tick, ticks: number of the period in its step, and how many there are.
+        where: of whoever is LOST friction is not known, and counts as 0, (num_envs,).
         past: out.
     """
     num_envs, dof = tau_f.shape
     for i in range(num_envs):
         for j in range(dof):
-            acting[TAU_F, i, j] = tau_f[i, j]
-            acting[TAU_DIST, i, j] = tau_f[i, j] + motor_torque[i, j]
+            acting[TAU_F, i, j] = tau_f[i, j] if where[i] != LOST else 0.0
+            acting[TAU_DIST, i, j] = acting[TAU_F, i, j] + motor_torque[i, j]
             past[TAU_F_HAT, i, j] = acting[TAU_F_HAT, i, j]
             for row in range(TAU_F_HAT):
                 before = past[row, i, j] if tick > 0 else 0.0
@@ -72,7 +99,7 @@ def add_acted(acting, tau_f, motor_torque, tick, ticks, past):
                     past[row, i, j] /= ticks
 
 
-@njit(cache=True, error_model="numpy")
+@jit
 def pull(after, gone, position, jacobian, q_dot, numbers, direction, gripped_at, point, held, force, tau_ext):
     """Forces of hands, environment by environment, so that neighbours do not matter.
 
@@ -108,8 +135,8 @@ def pull(after, gone, position, jacobian, q_dot, numbers, direction, gripped_at,
                 tau_ext[i, j] += jacobian[i, axis, j] * force[i, axis]
 
 
-@njit(cache=True, error_model="numpy")
-def whereabouts(state, low, high, where):
+@jit
+def _whereabouts(state, low, high, where):
     """Where each environment is, into `where` (num_envs,): INSIDE, OUTSIDE or LOST; returns whether all are inside.
 
     Args:
@@ -132,24 +159,26 @@ def whereabouts(state, low, high, where):
     return everyone
 
 
-@njit(cache=True, error_model="numpy")
-def rewards(tau_m, previous, limit, distance, weight):
-    """Closeness (1 - weight roughness), (num_envs,).
+@jit
+def close(tau_m, previous, limit, distance, ticks, last_tick, terminated, reward, truncated):
+    """The end of a step, (num_envs,) each: reward = closeness (1 - ROUGHNESS_WEIGHT roughness), and whose time is over.
 
     closeness = 1 / (1 + distance); roughness is the mean change of tau_m over joints as a share of the
     torque limit, at most 1.
 
     Args:
-        tau_m, previous: motor torque of this and of the last step, (num_envs, dof).
+        tau_m, previous: motor torque of this and of the last step, (num_envs, dof); the second becomes the first.
         limit: torque limits, (dof,).
-        distance: from the reference, (num_envs,), in units of the one of half closeness.
-        weight: of roughness.
+        distance: from the reference, in units of the one of half closeness.
+        ticks, last_tick: where each environment is, and where its episode ends.
+        terminated: whose episode has ended before.
+        reward, truncated: out.
     """
     num_envs, dof = tau_m.shape
-    reward = np.empty(num_envs)
     for i in range(num_envs):
         change = 0.0
         for j in range(dof):
             change += abs(tau_m[i, j] - previous[i, j]) / limit[j]
-        reward[i] = (1.0 - weight * min(change / dof, 1.0)) / (1.0 + distance[i])
-    return reward
+            previous[i, j] = tau_m[i, j]
+        reward[i] = (1.0 - ROUGHNESS_WEIGHT * min(change / dof, 1.0)) / (1.0 + distance[i])
+        truncated[i] = ticks[i] >= last_tick and not terminated[i]

@@ -8,11 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.hardware import Readings
+from fo_gym.plant.kernel import MOTION
 from fo_gym.signals import SIGNALS, TIERS, Signals
 from fo_gym.simulation.kernels import TAU_M
 from fo_gym.simulation.past_step import PastStep
 
 Array = NDArray[np.float64]
+
+_ACTED = PastStep.names()
 
 __all__ = ["Memory"]
 
@@ -39,7 +42,7 @@ class Memory:
         self._dof = dof
         self._hidden = [place for place, name in enumerate(SIGNALS) if name not in self.available]
         self._seen = np.zeros((num_envs, len(SIGNALS) * dof + 1 + references))
-        self.acting, self.past = np.zeros((2, len(PastStep.names()), num_envs, dof))
+        self.acting, self.past = np.zeros((2, len(_ACTED), num_envs, dof))
         self._name_parts()
 
     def _name_parts(self) -> None:
@@ -58,12 +61,11 @@ class Memory:
 
     def begin(self, ids: NDArray[np.intp], held: Array) -> None:
         """New episodes in the named environments, whose motors have been holding the springs, (n, dof)."""
-        self.past[:, ids] = 0.0
+        self.past[:, ids] = self.signals.time[ids] = 0.0
         self.past[TAU_M, ids] = self.signals.tau_m[ids] = held  # the first roughness counts from there
 
-    def observation(self, time: NDArray[Any]) -> Array:
-        """What is seen at `time` (num_envs,) [s], (num_envs, size): a copy."""
-        self.signals.time[:, 0] = time
+    def observation(self) -> Array:
+        """What is seen, (num_envs, size): a copy."""
         seen = self._seen.copy()
         for place in self._hidden:
             seen[:, place * self._dof : (place + 1) * self._dof] = 0.0
@@ -72,6 +74,15 @@ class Memory:
     def past_step(self) -> PastStep:
         """What acted in the past step: a copy."""
         return PastStep(*self.past.copy())
+
+    def truth(self, motion: Array, rows: int | slice) -> dict[str, Array]:
+        """Of the named environments: what moves, of the plant's `motion`, and what acted in the past step: copies."""
+        record = np.concatenate((motion[:, rows], self.past[:, rows]))
+        states = len(motion) - len(MOTION)
+        truth = dict(zip((*MOTION, *["z"] * states, *_ACTED), record, strict=True))
+        if states != 1:
+            truth["z"] = np.moveaxis(record[len(MOTION) : -len(_ACTED)], 0, -1)
+        return truth
 
     def set_past(self, step: PastStep) -> None:
         """Continue as after `step`."""

@@ -24,10 +24,9 @@ from fo_gym.simulation.kernels import (
     OUTSIDE,
     TAU_EXT,
     TAU_M,
-    add_acted,
-    rewards,
+    close,
+    settle,
     torques,
-    whereabouts,
 )
 from fo_gym.simulation.memory import Memory
 from fo_gym.simulation.pushes import Pushes
@@ -43,7 +42,7 @@ from fo_gym.tasks.task import TaskLike
 Array = NDArray[np.float64]
 Ids = NDArray[np.intp]
 
-ROUGHNESS_WEIGHT = 0.1
+_EVERYONE = slice(None)
 
 JOINT_LIMIT = "joint_limit"
 NON_FINITE = "non_finite"
@@ -87,6 +86,8 @@ class Simulation:
         )
         self.num_envs = num_envs = self.plant.num_envs
         self.control: TaskControl = self.task.reference.control(self.robot, self.plant, self.task.gains)
+        scale = self.task.reward_scale
+        self._scale = scale if self.task.reference.of_tool else np.full(self.dof, scale)
         self.memory = memory = Memory(num_envs, self.dof, self.control.reference.shape[1], settings.sensors)
         self.nominal_motor = NominalMotor(memory.signals.theta_n, memory.signals.theta_n_dot, settings.control_dt)
         self.hardware_model = HardwareModel(
@@ -100,11 +101,10 @@ class Simulation:
         nominal = draw_scenario(replace(self.robot, hardware=None), self.task, "nominal", np.random.default_rng(0))
         self.scenarios: list[Scenario] = [nominal] * num_envs
         self.ticks = np.zeros(num_envs, dtype=np.int64)
-        self._low, self._high = joint_range(self.plant.body.model)
+        self._box = joint_range(self.plant.body.model)
         self.limits = Limits(
             self.robot.joints,
-            self._low,
-            self._high,
+            *self._box,
             duration=self.last_tick * settings.control_dt,
             takes_target=nominal.target is not None,
         )
@@ -115,13 +115,19 @@ class Simulation:
         self._compensates = settings.action_mode == "compensation"
         self._pushes = Pushes(num_envs, self.dof)
         self.hands = None if self.task.hand is None else Hands(self.plant, settings.decimation)
+        self._share_memory()
 
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        # Pickling turns views into copies: make them views of the one memory again.
-        self.__dict__.update(state)
+    def _share_memory(self) -> None:
+        """Let everybody write into the one memory."""
         signals = self.memory.signals
         self.nominal_motor.theta, self.nominal_motor.theta_dot = signals.theta_n, signals.theta_n_dot
+        self.control.theta_d, self.control.reference = signals.theta_d, signals.reference
         self.hardware_model.readings = self.memory.readings
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        # Pickling turns views into copies.
+        self.__dict__.update(state)
+        self._share_memory()
 
     @property
     def available(self) -> frozenset[str]:
@@ -167,13 +173,10 @@ class Simulation:
 
     def _update_control(self) -> None:
         """The reference and the controller at the current ticks."""
-        self.control.update(self.ticks)
         signals = self.memory.signals
         nominal = self.settings.feedback == "nominal"
-        theta, theta_dot = (signals.theta_n, signals.theta_n_dot) if nominal else (signals.theta, signals.theta_dot)
-        signals.tau_c[:] = self.control.torque(theta, theta_dot)
-        signals.theta_d[:] = self.control.theta_d
-        signals.reference[:] = self.control.reference
+        motor = (signals.theta_n, signals.theta_n_dot) if nominal else (signals.theta, signals.theta_dot)
+        self.control.follow(self.ticks, *motor, signals.tau_c)
 
     def step(self, action: Array) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_], dict[int, str]]:
         """Hold `action` (num_envs, dof) for `decimation` control ticks.
@@ -189,22 +192,17 @@ class Simulation:
             self._act(action)
             before = self.plant.snapshot()
             hardware.step(memory.acting[TAU_M], memory.acting[TAU_EXT])
-            self.nominal_motor.step(memory.signals.tau_c, memory.signals.tau_j, hardware.motor_inertia)
-            self.ticks += 1
-            if not whereabouts(self.plant.motion, self._low, self._high, self._where):
+            if not self._settle(number):
                 self._find_ends(before, reasons)
-            periods = number, self.settings.decimation
-            add_acted(memory.acting, self.plant.tau_f, hardware.motor_torque, *periods, memory.past)
             hardware.look()
             self._update_control()
-        distance = self.control.distance(self.plant, self.task.reward_scale)
-        tau_m, previous = memory.past[TAU_M], memory.signals.tau_m
-        reward = rewards(tau_m, previous, self.torque_limit, distance, ROUGHNESS_WEIGHT)
-        previous[:] = tau_m
-        terminated = np.zeros(self.num_envs, dtype=bool)
+        reward, (terminated, truncated) = np.empty(self.num_envs), np.zeros((2, self.num_envs), dtype=bool)
         if reasons:
             terminated[list(reasons)] = True
-        return reward, terminated, (self.ticks >= self.last_tick) & ~terminated, reasons
+        torque = memory.past[TAU_M], memory.signals.tau_m, self.torque_limit
+        distance = self.control.distance(self.plant, self._scale)
+        close(*torque, distance, self.ticks, self.last_tick, terminated, reward, truncated)
+        return reward, terminated, truncated, reasons
 
     def _act(self, action: Array) -> None:
         """The estimate that is compensated, and what motors, pushes and hands apply over the coming control period."""
@@ -216,6 +214,15 @@ class Simulation:
             self.hands.act(self.ticks, acting[TAU_EXT])
         self.hardware_model.command(acting[TAU_M])
 
+    def _settle(self, number: int) -> bool:
+        """What is left to do in a step's period of this number; returns whether all joints are in their ranges."""
+        memory, hardware, plant, signals = self.memory, self.hardware_model, self.plant, self.memory.signals
+        clock = self.ticks, self.settings.control_dt, signals.time
+        nominal = signals.tau_c, signals.tau_j, (signals.theta_n, signals.theta_n_dot, hardware.motor_inertia)
+        acted = memory.acting, plant.tau_f, hardware.motor_torque, number, self.settings.decimation, memory.past
+        everyone: bool = settle(*clock, *nominal, *acted, plant.motion, self._box, self._where)
+        return everyone
+
     def _find_ends(self, before: Array, reasons: dict[int, str]) -> None:
         """Note environments that left the joint range or the finite numbers; put the latter back to `before`."""
         for i in np.flatnonzero(self._where == LOST):
@@ -226,20 +233,18 @@ class Simulation:
 
     def observation(self) -> Array:
         """What the joints measure and compute at the coming tick, (num_envs, memory.size); see Signals."""
-        return self.memory.observation(self.ticks * self.settings.control_dt)
+        return self.memory.observation()
 
-    def truth(self) -> dict[str, Array]:
-        """Privileged truth for scoring and plotting, (num_envs, dof) each.
+    def truth(self, rows: int | slice = _EVERYONE) -> dict[str, Array]:
+        """Privileged truth for scoring and plotting, a copy: (num_envs, dof) each, or (dof,) of environment `rows`.
 
         theta, theta_dot, q, q_dot, z at the new tick, and what acted in the past step, see PastStep. Where a friction
         law has not one state a joint, z is (num_envs, dof, states). Where a hand guides the tool, f_hand, (num_envs,
         3), its mean force too.
         """
-        q, q_dot, theta, theta_dot = self.plant.snapshot()[:4]
-        truth = {"theta": theta, "theta_dot": theta_dot, "q": q, "q_dot": q_dot, "z": self.plant.z.copy()}
-        truth |= vars(self.memory.past_step())
+        truth = self.memory.truth(self.plant.motion, rows)
         if self.hands is not None:
-            truth["f_hand"] = self.hands.force.copy()
+            truth["f_hand"] = self.hands.force[rows].copy()
         return truth
 
     def get_state(self) -> SimulationState:
@@ -275,8 +280,9 @@ class Simulation:
         self.control.reset(everyone, state.scenarios)
         self.plant.set_state(state.plant)
         self.memory.set_past(state.past)
+        self.memory.signals.time[:, 0] = state.ticks * self.settings.control_dt
         self.nominal_motor.reset(everyone, state.theta_n, state.theta_n_dot)
-        self.ticks = np.array(state.ticks, dtype=np.int64)
+        self.ticks[:] = state.ticks
         self.hardware_model.set_state(state.hardware, *_drawn(state.scenarios))
         if self.hands is not None and state.hands is not None:
             self.hands.set_state(state.hands)

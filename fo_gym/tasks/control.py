@@ -4,53 +4,74 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from fo_gym.compiling import jit
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.tasks.scenario import Scenario
 
 Array = NDArray[np.float64]
 Ids = NDArray[np.intp]
+Ticks = NDArray[np.int64]
 
-__all__ = ["PathStatics", "TaskControl", "believed", "joint_distance"]
+__all__ = ["PathStatics", "TaskControl", "Ticks", "believed", "joint_distance"]
 
 
-class TaskControl(Protocol):
-    """Reference and controller of a batch of episodes.
+class TaskControl:
+    """Reference and controller of a batch of episodes; derive from it.
+
+    Args:
+        num_envs: size of the batch.
+        dof: number of joints.
+        references: length of the task's reference beside theta_d.
 
     Attributes:
-        theta_d: desired motor position at the current ticks, (num_envs, dof), m or rad.
-        reference: the task's reference beside theta_d, (num_envs, k); k = 0 where there is none.
+        theta_d: desired motor position at the ticks of the last `follow`, (num_envs, dof), m or rad.
+        reference: the task's reference beside theta_d, (num_envs, references).
         path: where the tool is to go, (points, 3), m; None where no path of the tool is followed.
+        ticks: those of the last `follow`, (num_envs,).
     """
 
-    theta_d: Array
-    reference: Array
-    path: Array | None
+    def __init__(self, num_envs: int, dof: int, references: int = 0) -> None:
+        self.theta_d, self.reference = np.zeros((num_envs, dof)), np.zeros((num_envs, references))
+        self.path: Array | None = None
+        self.ticks: Ticks = np.zeros(num_envs, dtype=np.int64)
 
     def reset(self, ids: Ids, scenarios: Sequence[Scenario]) -> None:
         """Take the scenarios of new episodes; the plant has its new parameters already."""
+        raise NotImplementedError
 
-    def update(self, ticks: NDArray[np.int64]) -> None:
-        """Move the reference to these control ticks, (num_envs,)."""
+    def follow(self, ticks: Ticks, theta: Array, theta_dot: Array, tau_c: Array) -> None:
+        """Move theta_d and reference to these control ticks, and write the torque that follows them.
+
+        Args:
+            ticks: (num_envs,); to be kept in `self.ticks`.
+            theta, theta_dot: measured or nominal motor, (num_envs, dof), m and m/s | rad and rad/s.
+            tau_c: out, control torque, (num_envs, dof), N or N m.
+        """
+        raise NotImplementedError
 
     def torque(self, theta: Array, theta_dot: Array) -> Array:
-        """Control torque tau_c at the current ticks, (num_envs, dof), from the measured or nominal motor."""
+        """Control torque at the ticks of the last `follow` for other motors than those, (num_envs, dof), N or N m."""
+        tau_c = np.empty_like(self.theta_d)
+        self.follow(self.ticks, theta, theta_dot, tau_c)
+        return tau_c
 
     def distance(self, plant: FlexibleJointPlant, scale: Any) -> Array:
         """How far the plant is from the reference, (num_envs,), in units of `scale`.
 
         Args:
             plant: the joints as they truly are.
-            scale: of every joint [m | rad], a number or (dof,); of the tool [m], where it is what follows.
+            scale: of every joint [m | rad], (dof,); of the tool [m], a number, where it is what follows.
         """
+        raise NotImplementedError
 
     def desired_links(self, i: int) -> Array | None:
         """Where the links of environment i should be now, (dof,), m or rad; None where the tool's path says it."""
+        raise NotImplementedError
 
 
 def believed(scenarios: Sequence[Scenario]) -> tuple[Array, Array]:
@@ -59,14 +80,14 @@ def believed(scenarios: Sequence[Scenario]) -> tuple[Array, Array]:
     return mass, np.array([scenario.believed.stiffness for scenario in scenarios])
 
 
-def joint_distance(plant: FlexibleJointPlant, theta_d: Array, scale: Any) -> Array:
+def joint_distance(plant: FlexibleJointPlant, theta_d: Array, scale: Array) -> Array:
     """Root mean square of (theta - theta_d) / scale over the joints, (num_envs,)."""
     distance = np.empty(len(theta_d))
-    _distance(plant.theta, theta_d, np.full(theta_d.shape[1], scale), distance)
+    _distance(plant.theta, theta_d, scale, distance)
     return distance
 
 
-@njit(cache=True, error_model="numpy")
+@jit
 def _distance(theta, theta_d, scale, distance):
     num_envs, dof = theta.shape
     for i in range(num_envs):
@@ -87,17 +108,17 @@ class PathStatics:
 
     Attributes:
         row: of the table, at the current ticks, (num_envs,).
-        theta_d: desired motors, (num_envs, dof), m | rad.
         mass, stiffness: factor on the true masses (num_envs, 1), and K_j (num_envs, dof), as the controller knows them.
         gravity: g(q_d) with the masses of each episode, (num_envs, dof), N | N m.
     """
 
     def __init__(self, plant: FlexibleJointPlant, q_d: Array, gravity: Array) -> None:
-        self._q_d, self._gravity = q_d, gravity
+        self._table = np.ascontiguousarray(q_d), gravity
         self._mass_scale = np.ones((plant.num_envs, 1))
         self.mass = np.ones((plant.num_envs, 1))
         self.stiffness = plant.stiffness.copy()
-        self.update(np.zeros(plant.num_envs, dtype=np.int64))
+        self.row = np.zeros(plant.num_envs, dtype=np.int64)
+        self.gravity = np.zeros((plant.num_envs, plant.dof))
 
     def reset(self, ids: Ids, scenarios: Sequence[Scenario]) -> None:
         """Take the scenarios of new episodes."""
@@ -105,8 +126,16 @@ class PathStatics:
         self._mass_scale[ids, 0] = [scenario.mass_scale for scenario in scenarios]
         self._mass_scale[ids] *= self.mass[ids]
 
-    def update(self, ticks: NDArray[np.int64]) -> None:
-        """Move to these control ticks, (num_envs,)."""
-        self.row = np.minimum(ticks, len(self._q_d) - 1)
-        self.gravity = self._gravity[self.row] * self._mass_scale
-        self.theta_d = self._q_d[self.row] + self.gravity / self.stiffness
+    def update(self, ticks: Ticks, theta_d: Array) -> None:
+        """Move to these control ticks, (num_envs,), and write the desired motors, (num_envs, dof), m | rad."""
+        _statics(ticks, *self._table, self._mass_scale, self.stiffness, self.row, self.gravity, theta_d)
+
+
+@jit
+def _statics(ticks, table_q_d, table_gravity, mass_scale, stiffness, row, gravity, theta_d):
+    num_envs, dof = theta_d.shape
+    for i in range(num_envs):
+        row[i] = min(ticks[i], len(table_q_d) - 1)
+        for j in range(dof):
+            gravity[i, j] = table_gravity[row[i], j] * mass_scale[i, 0]
+            theta_d[i, j] = table_q_d[row[i], j] + gravity[i, j] / stiffness[i, j]

@@ -11,13 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.checks import FINITE, NOT_NEGATIVE, POSITIVE, Value, check_numbers, check_values
+from fo_gym.compiling import jit
 from fo_gym.control.design import designed_pd
-from fo_gym.control.motor_pd import MotorPD
+from fo_gym.control.motor_pd import MotorPD, pd_torque
 from fo_gym.parameters import PDGains, check_joints
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.robots import LinkSide, Robot
-from fo_gym.tasks.control import PathStatics, joint_distance
+from fo_gym.tasks.control import PathStatics, TaskControl, Ticks, joint_distance
 from fo_gym.tasks.joint_fit import fitted_sinusoids
 from fo_gym.tasks.kinematics import path_ticks
 from fo_gym.tasks.scenario import Scenario
@@ -116,37 +117,31 @@ def _gravity(link_side: LinkSide, _stamp: tuple[int, int], poses: bytes) -> Arra
     return np.concatenate([body.gravity(chunk, np.arange(len(chunk))) for chunk in chunks])
 
 
-class JointPathControl:
+class JointPathControl(TaskControl):
     """tau_c = -K_p (theta_* - theta_d) - K_d (theta_*' - q_d') + g(q_d), theta_d = q_d + K_j^-1 g(q_d).
 
     q_d' stands for theta_d': the spring's own deflection changes slower by dg/dq / K_j.
     """
 
-    path: Array | None = None
-
     def __init__(self, path: JointPath, robot: Robot, plant: FlexibleJointPlant, gains: PDGains) -> None:
+        super().__init__(plant.num_envs, plant.dof)
         ticks = path_ticks(path.duration, plant.control_dt)
         offset, self._velocity = path.at(np.arange(ticks, dtype=np.float64) * plant.control_dt)
         self._q_d = robot.home + offset
         self._law = MotorPD(gains, robot.dof)
         links = robot.link_side
         self._statics = PathStatics(plant, self._q_d, _gravity(links, links.stamp, self._q_d.tobytes()))
-        self.theta_d = np.zeros((plant.num_envs, robot.dof))
-        self.reference = np.zeros((plant.num_envs, 0))
 
     def reset(self, ids: Ids, scenarios: Sequence[Scenario]) -> None:
         """See TaskControl."""
         self._statics.reset(ids, scenarios)
 
-    def update(self, ticks: NDArray[np.int64]) -> None:
+    def follow(self, ticks: Ticks, theta: Array, theta_dot: Array, tau_c: Array) -> None:
         """See TaskControl."""
-        self._statics.update(ticks)
-        self.theta_d = self._statics.theta_d
-
-    def torque(self, theta: Array, theta_dot: Array) -> Array:
-        """See TaskControl."""
-        statics = self._statics
-        return self._law.torque(theta, theta_dot - self._velocity[statics.row], self.theta_d, statics.gravity)
+        self.ticks, law, statics = ticks, self._law, self._statics
+        statics.update(ticks, self.theta_d)
+        reference = statics.row, self._velocity, self.theta_d, statics.gravity
+        _follow(*reference, theta, theta_dot, law.kp, law.kd, tau_c)
 
     def distance(self, plant: FlexibleJointPlant, scale: Any) -> Array:
         """See TaskControl."""
@@ -156,3 +151,12 @@ class JointPathControl:
         """See TaskControl."""
         links: Array = self._q_d[self._statics.row[i]]
         return links
+
+
+@jit
+def _follow(row, velocity, theta_d, gravity, theta, theta_dot, kp, kd, tau_c):
+    num_envs, dof = tau_c.shape
+    for i in range(num_envs):
+        for j in range(dof):
+            rate = theta_dot[i, j] - velocity[row[i], j]
+            tau_c[i, j] = pd_torque(theta[i, j], rate, theta_d[i, j], gravity[i, j], kp[j], kd[j])

@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.checks import FINITE, NOT_NEGATIVE, Value, check_values, number
+from fo_gym.compiling import jit
 from fo_gym.control.design import designed_pd
-from fo_gym.control.motor_pd import MotorPD
+from fo_gym.control.motor_pd import MotorPD, pd_torque
 from fo_gym.parameters import PDGains, check_joints
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.robots import Robot
-from fo_gym.tasks.control import believed, joint_distance
+from fo_gym.tasks.control import TaskControl, Ticks, believed, joint_distance
 from fo_gym.tasks.scenario import Scenario
 
 Array = NDArray[np.float64]
@@ -66,29 +67,19 @@ class Step:
         return StepControl(self, plant, gains)
 
 
-class StepControl:
+class StepControl(TaskControl):
     """Motor PD towards a target that jumps once: q_start before the step, the scenario's target after it."""
 
-    path: Array | None = None
-
     def __init__(self, step: Step, plant: FlexibleJointPlant, gains: PDGains) -> None:
-        shape = (plant.num_envs, plant.dof)
+        super().__init__(plant.num_envs, plant.dof)
         self._step_tick = round(step.time / plant.control_dt)
         self._plant = plant
         self._law = MotorPD(gains, plant.dof)
         # Before and after the step.
-        self._q_d = np.zeros((2, *shape))
-        self._theta_d = np.zeros((2, *shape))
-        self._gravity = np.zeros((2, *shape))
-        self.theta_d = np.zeros(shape)
-        self._gravity_d = np.zeros(shape)
-        self._after = np.zeros(plant.num_envs, dtype=bool)
-        self._stepped = -1
-        self.reference = np.zeros((plant.num_envs, 0))
+        self._q_d, self._theta_d, self._gravity = np.zeros((3, 2, plant.num_envs, plant.dof))
 
     def reset(self, ids: Ids, scenarios: Sequence[Scenario]) -> None:
         """See TaskControl."""
-        self._stepped = -1
         poses = np.array([[scenario.q_start, scenario.target] for scenario in scenarios])
         mass, stiffness = believed(scenarios)
         for phase in (0, 1):
@@ -96,19 +87,11 @@ class StepControl:
             self._gravity[phase, ids] = mass * self._plant.body.gravity(q_d, ids)
             self._theta_d[phase, ids] = q_d + self._gravity[phase, ids] / stiffness
 
-    def update(self, ticks: NDArray[np.int64]) -> None:
+    def follow(self, ticks: Ticks, theta: Array, theta_dot: Array, tau_c: Array) -> None:
         """See TaskControl."""
-        self._after = ticks >= self._step_tick
-        stepped = int(np.count_nonzero(self._after))
-        if stepped == self._stepped:
-            return  # between two resets time only goes on: the same number of environments are the same ones
-        self._stepped = stepped
-        self.theta_d = np.where(self._after[:, None], self._theta_d[1], self._theta_d[0])
-        self._gravity_d = np.where(self._after[:, None], self._gravity[1], self._gravity[0])
-
-    def torque(self, theta: Array, theta_dot: Array) -> Array:
-        """See TaskControl."""
-        return self._law.torque(theta, theta_dot, self.theta_d, self._gravity_d)
+        self.ticks, law = ticks, self._law
+        reference = self._step_tick, self._theta_d, self._gravity
+        _follow(ticks, *reference, theta, theta_dot, law.kp, law.kd, self.theta_d, tau_c)
 
     def distance(self, plant: FlexibleJointPlant, scale: Any) -> Array:
         """See TaskControl."""
@@ -116,5 +99,15 @@ class StepControl:
 
     def desired_links(self, i: int) -> Array:
         """See TaskControl."""
-        links: Array = self._q_d[int(self._after[i]), i]
+        links: Array = self._q_d[int(self.ticks[i] >= self._step_tick), i]
         return links
+
+
+@jit
+def _follow(ticks, step_tick, phase_theta_d, phase_gravity, theta, theta_dot, kp, kd, theta_d, tau_c):
+    num_envs, dof = tau_c.shape
+    for i in range(num_envs):
+        phase = 1 if ticks[i] >= step_tick else 0
+        for j in range(dof):
+            theta_d[i, j], gravity = phase_theta_d[phase, i, j], phase_gravity[phase, i, j]
+            tau_c[i, j] = pd_torque(theta[i, j], theta_dot[i, j], theta_d[i, j], gravity, kp[j], kd[j])

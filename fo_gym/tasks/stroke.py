@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from numba import njit
+from fo_gym.compiling import jit
 
 __all__ = ["stroke_at"]
 
 
-@njit(cache=True, error_model="numpy")
+@jit
 def stroke_at(since, stroke, speed, turn, strokes):
     """How far a hand's point is [m], and its speed [m/s], `since` [s] it gripped; the rest as of Hand."""
     time = stroke / speed + turn

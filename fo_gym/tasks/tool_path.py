@@ -17,7 +17,7 @@ from fo_gym.parameters import ImpedanceGains
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.robots import LinkSide, Robot
 from fo_gym.robots.poses import tool_rows
-from fo_gym.tasks.control import PathStatics
+from fo_gym.tasks.control import PathStatics, TaskControl, Ticks
 from fo_gym.tasks.kinematics import PathTable, TimedPath, path_table
 from fo_gym.tasks.scenario import Scenario
 from fo_gym.tasks.square_fit import Direction, fitted_square
@@ -117,35 +117,30 @@ def _cached_table(
     return path_table(link_side, path, np.array(home), dt, redundant)
 
 
-class ToolPathControl:
+class ToolPathControl(TaskControl):
     """Impedance along a tool path, which can be hashed: its table is kept."""
 
     def __init__(self, path: TimedPath, robot: Robot, plant: FlexibleJointPlant, gains: ImpedanceGains) -> None:
+        super().__init__(plant.num_envs, robot.dof, 3)
         home = tuple(robot.home.tolist())
         links = robot.link_side
         self.table = _cached_table(links, links.stamp, path, home, plant.control_dt, robot.redundant)
         held = [robot.joints.index(name) for name in robot.redundant]
         self._law = Impedance(gains, plant.body, held, oriented=tool_rows(robot.dof) == 6)
         self._statics = PathStatics(plant, self.table.q_d, self.table.gravity)
-        self.theta_d = np.zeros((plant.num_envs, robot.dof))
-        self.reference = np.zeros((plant.num_envs, 3))
-        self.path: Array | None = self.table.position
+        self.path = self.table.position
 
     def reset(self, ids: Ids, scenarios: Sequence[Scenario]) -> None:
         """See TaskControl."""
         self._statics.reset(ids, scenarios)
 
-    def update(self, ticks: NDArray[np.int64]) -> None:
+    def follow(self, ticks: Ticks, theta: Array, theta_dot: Array, tau_c: Array) -> None:
         """See TaskControl."""
-        self._statics.update(ticks)
-        self.theta_d = self._statics.theta_d
-        self.reference = self.table.position[self._statics.row]
-
-    def torque(self, theta: Array, theta_dot: Array) -> Array:
-        """See TaskControl."""
-        table, statics = self.table, self._statics
+        self.ticks, table, statics = ticks, self.table, self._statics
+        statics.update(ticks, self.theta_d)
+        np.take(table.position, statics.row, axis=0, out=self.reference)
         setpoint = TaskSetpoint(self.reference, table.velocity[statics.row], table.rotation, table.held)
-        return self._law.torque(theta, theta_dot, statics.stiffness, statics.mass, setpoint)
+        tau_c[:] = self._law.torque(theta, theta_dot, statics.stiffness, statics.mass, setpoint)
 
     def distance(self, plant: FlexibleJointPlant, scale: Any) -> Array:
         """See TaskControl."""

@@ -38,7 +38,7 @@ def stored_energy(simulation: Simulation, ticks: Mapping[str, Array]) -> Array:
     if not pushed.any():
         return np.full(simulation.num_envs, math.nan)
     at = {name: values[np.maximum(starts, 0), np.arange(simulation.num_envs)] for name, values in ticks.items()}
-    simulation.control.update(np.maximum(starts, 0) * simulation.settings.decimation)
+    simulation.control.ticks = np.maximum(starts, 0) * simulation.settings.decimation
     with np.errstate(over="ignore", invalid="ignore"):  # an episode may have ended before, anywhere
         stored = _energy(simulation, at["q"], at["q_dot"], at["theta"], at["theta_dot"])
         if simulation.settings.feedback == "nominal":

@@ -1,7 +1,7 @@
-"""Compile plain Python for the kernel, and keep what was compiled on disk for as long as nothing in it has changed.
+"""Compile plain Python, and keep what was compiled on disk for as long as nothing in it has changed.
 
-Numba's own cache of a function looks at the time stamp of that function's file alone. A kernel is made of functions of
-several files, a user's law among them: it is kept under the content of all that it is made of.
+Numba's own cache of a function looks at the time stamp of that function's file alone. What is compiled here is made of
+functions of several files, a user's law among them: it is kept under the content of all that it is made of.
 """
 
 from __future__ import annotations
@@ -15,7 +15,12 @@ from numba import njit
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.dispatcher import Dispatcher
 
-__all__ = ["compiled", "content", "kept"]
+__all__ = ["compiled", "content", "jit", "kept"]
+
+
+def jit(function: Any) -> Any:
+    """A function of the project, compiled when it is first called, and kept on disk."""
+    return kept(njit(error_model="numpy", nogil=True)(function), function.__name__.strip("_"))
 
 
 def compiled(function: Any, done: dict[Any, Any] | None = None) -> Any:
