@@ -34,7 +34,7 @@ FLOW = (
         "fo_gym.text",
         "fo_gym.toml",
     ),
-    ("fo_gym.specs",),
+    ("fo_gym.specs", "fo_gym.threads"),
     ("fo_gym.friction",),
     ("fo_gym.generators", "fo_gym.micro_steps", "fo_gym.parameters"),
     ("fo_gym.signals",),

@@ -168,7 +168,7 @@ def test_a_leaking_bristle_is_seen(broken: pytest.MonkeyPatch, id: str) -> None:
         def advance(state: np.ndarray, *arguments: Any) -> None:
             right(law)(state, *arguments)
             state[4] *= 1.0 - 1e-6
-            arguments[-1][:] *= 0.98
+            arguments[-3][:] *= 0.98
 
         return advance
 

@@ -114,7 +114,7 @@ def advance_batch(batch: dict[str, np.ndarray], h: float = H) -> tuple[np.ndarra
     loads = batch["tau_ext"], nothing, nothing, batch["damping"], nothing[0]
     links = loads, batch["inertia"], full_triangle(tau_f.shape[1])
     parameters = batch["joints"], batch["friction"]
-    kernel_of(LuGre(**PAPER))(state, batch["tau_m"], *links, *parameters, h, round(1e-2 / h), tau_f)
+    kernel_of(LuGre(**PAPER))(state, batch["tau_m"], *links, *parameters, h, round(1e-2 / h), tau_f, 0, len(tau_f))
     return state, tau_f
 
 

@@ -86,7 +86,7 @@ class Joint:
         """Take `steps` micro-steps of h seconds under held forces [N]; returns the mean tau_f over them [N]."""
         drive, push, nothing = np.array([[tau_m]]), np.array([[tau_ext]]), np.zeros((1, 1))
         link = (push, nothing, nothing, nothing, nothing[0]), self.inertia, self._layout
-        self._advance(self.state, drive, *link, self.joints, self.friction, h, steps, self._tau_f)
+        self._advance(self.state, drive, *link, self.joints, self.friction, h, steps, self._tau_f, 0, 1)
         return float(self._tau_f.item())
 
 

@@ -159,8 +159,8 @@ def kernel(respond, step, states, memory):
             w[j] = 2.0 * w_mid[j] - w[j]
 
     @njit(error_model="numpy", nogil=True)
-    def advance(state, tau_m, links, inertia, layout, joints, friction, h, steps, tau_f):
-        """Advance every environment by `steps` micro-steps of h seconds, in place.
+    def advance(state, tau_m, links, inertia, layout, joints, friction, h, steps, tau_f, first, last):
+        """Advance the environments from `first` to `last` by `steps` micro-steps of h seconds, in place.
 
         Blocks of environments go together, joint after joint, which keeps the processor's units busy.
 
@@ -177,9 +177,10 @@ def kernel(respond, step, states, memory):
             h: micro-step [s].
             steps: micro-steps.
             tau_f: out, mean friction torque over the whole period, (num_envs, dof).
+            first, last: of the environments; `last` is not among them.
         """
         num_envs, dof = tau_m.shape
-        size, most = num_envs * dof, min(num_envs, max(1, _BLOCK // dof))
+        size, most = num_envs * dof, min(last - first, max(1, _BLOCK // dof))
         held, scratch = np.empty((3, most * dof)), np.empty((3, most * dof))
         z, memo = np.empty((most * dof, states)), np.empty((most * dof, memory))
         # Where the last block has fewer environments, the others' lanes go on idly.
@@ -187,19 +188,14 @@ def kernel(respond, step, states, memory):
         # Joint after joint, environment after environment.
         moving, drives, sums = state.reshape((4 + states, size)), tau_m.reshape(size), tau_f.reshape(size)
         parameters, frictions = joints.reshape((size, 3)), friction.reshape(size)
-        sums[:] = 0.0
-        for start in range(0, num_envs, most):
-            end = min(start + most, num_envs)
+        for start in range(first, last, most):
+            end = min(start + most, last)
             _begin(start, end, h, state, links, inertia, layout, joints, held, z, damped, lower)
             a, b = start * dof, end * dof
             q, w, theta, v = moving[0, a:b], moving[1, a:b], moving[2, a:b], moving[3, a:b]
-            drive, joint, rubs, total, damps = (
-                drives[a:b],
-                parameters[a:b],
-                frictions[a:b],
-                sums[a:b],
-                damped[: end - start],
-            )
+            drive, joint, rubs, total = drives[a:b], parameters[a:b], frictions[a:b], sums[a:b]
+            damps = damped[: end - start]
+            total[:] = 0.0
             for number in range(steps):
                 # Two half drifts meet between micro-steps; only the first and the last are half.
                 length = h if number > 0 else 0.5 * h

@@ -19,6 +19,7 @@ from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.plant.state import PlantState
 from fo_gym.plant.twin import twin_model
 from fo_gym.robots import LinkSide
+from fo_gym.threads import Threads, number_of_threads
 
 Array = NDArray[np.float64]
 
@@ -46,6 +47,7 @@ class FlexibleJointPlant:
         control_dt: control period [s].
         physics_dt: micro-step [s]; None means min(2e-4, control_dt); it must divide control_dt; "auto" takes the
             longest that follows `joints` and `friction` in the pose of the file, see `fo_gym.micro_steps`.
+        num_threads: at most; None asks the environment variable FO_GYM_NUM_THREADS, see `fo_gym.threads`.
 
     Raises:
         ValueError: a parameter is out of range, or the micro-step is too long for a joint, or too short.
@@ -60,6 +62,7 @@ class FlexibleJointPlant:
         friction: FrictionLaw,
         control_dt: float = 1e-3,
         physics_dt: PhysicsDt = None,
+        num_threads: int | None = None,
     ) -> None:
         instance("link_side", link_side, LinkSide)
         instance("joints", joints, FlexibleJoint)
@@ -68,7 +71,8 @@ class FlexibleJointPlant:
         self.dof = link_side.dof
         self.num_envs = whole_number("num_envs", num_envs, 1, MAX_ENVS)
         self.control_dt = control_dt
-        self.body = RigidBody(link_side, num_envs)
+        self.threads = Threads(self.num_envs, number_of_threads(num_threads))
+        self.body = RigidBody(link_side, num_envs, self.threads.count)
         shape = (num_envs, self.dof)
         self._law = friction
         self._joints = np.empty((*shape, len(JOINT)))
@@ -218,7 +222,8 @@ class FlexibleJointPlant:
         body.forward()
         bias, passive, inertia = body.outputs
         links = (tau_ext, bias, passive, self.link_damping, body.damping), inertia, body.layout
-        self._advance(self._state, tau_m, *links, self._joints, self._friction, *steps, self.tau_f)
+        parameters = *links, self._joints, self._friction, *steps
+        self.threads.run(self._advance, self._state, tau_m, *parameters, self.tau_f)
         self._ticks += 1
 
     @property

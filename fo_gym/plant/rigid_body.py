@@ -41,6 +41,7 @@ class RigidBody:
 
     Attributes:
         link_side: what was loaded.
+        num_threads: of MuJoCo.
         model: the compiled MuJoCo model.
         damping: of the file's own dampers at the joints, (dof,) [N s/m | N m s/rad]: they are the kernel's, which takes
             them implicitly, and no part of the bias.
@@ -50,9 +51,10 @@ class RigidBody:
         outputs: what it writes, until the next query does: bias, and what it is less of, (num_envs, dof) each, and M.
     """
 
-    def __init__(self, link_side: LinkSide, num_envs: int) -> None:
+    def __init__(self, link_side: LinkSide, num_envs: int, num_threads: int = 1) -> None:
         self.link_side = link_side
         self.num_envs = num_envs
+        self.num_threads = num_threads
         self.model = link_side.model
         self.damping = self.model.dof_damping.copy()
         self.model.dof_damping[:] = 0.0
@@ -61,7 +63,7 @@ class RigidBody:
 
     def _make_batch(self) -> None:
         self.layout = self.model.M_rownnz, self.model.M_rowadr, self.model.M_colind
-        self._batch = Batch(self.model, self.num_envs, nthread=1)
+        self._batch = Batch(self.model, self.num_envs, nthread=self.num_threads)
         self._qpos = self._batch.bind("qpos")
         self._qvel = self._batch.bind("qvel")
         self._inertia = self._batch.bind("M")
@@ -82,6 +84,7 @@ class RigidBody:
         return {
             "link_side": self.link_side,
             "num_envs": self.num_envs,
+            "num_threads": self.num_threads,
             "model": self.model,
             "damping": self.damping,
             "mass_scale": self.mass_scale,

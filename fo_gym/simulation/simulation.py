@@ -59,6 +59,7 @@ class Simulation:
         task: likewise, or a function that makes one for a robot.
         num_envs: size of the batch.
         settings: how it is run; they are applied to robot and task.
+        num_threads: see FlexibleJointPlant.
 
     Attributes:
         robot, task: what is simulated, settings applied.
@@ -70,7 +71,14 @@ class Simulation:
         hands: at the tools, or None.
     """
 
-    def __init__(self, robot: RobotLike | None, task: TaskLike | None, num_envs: int, settings: Settings) -> None:
+    def __init__(
+        self,
+        robot: RobotLike | None,
+        task: TaskLike | None,
+        num_envs: int,
+        settings: Settings,
+        num_threads: int | None = None,
+    ) -> None:
         self.robot, self.task = settings.applied_to(robot, task)
         self.settings = settings
         self.last_tick = settings.ticks(self.task)
@@ -83,6 +91,7 @@ class Simulation:
             friction=self.robot.friction,
             control_dt=settings.control_dt,
             physics_dt=followed_dt(self.robot, self.task, settings),
+            num_threads=num_threads,
         )
         self.num_envs = num_envs = self.plant.num_envs
         self.control: TaskControl = self.task.reference.control(self.robot, self.plant, self.task.gains)

@@ -58,7 +58,9 @@ def record(
     if type(compensator) is Ideal:
         kwargs["disturbed"] = False
     env_id = environment_of(env_id).id
-    env = cast("JointVectorEnv", gym.make_vec(env_id, num_envs=len(seeds), variant=variant, **kwargs).unwrapped)
+    # An evaluation's jobs share the processor, not the threads of its batches.
+    made = gym.make_vec(env_id, num_envs=len(seeds), variant=variant, num_threads=1, **kwargs)
+    env = cast("JointVectorEnv", made.unwrapped)
     env.reset(seed=list(seeds))
     if at_start is not None:
         at_start(env)

@@ -1,0 +1,75 @@
+"""Threads of a batch: how many there are, and which environments each of them takes. Nobody else decides."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache
+from itertools import pairwise
+from typing import Any
+
+from fo_gym.checks import shown, whole_number
+
+VARIABLE = "FO_GYM_NUM_THREADS"
+"""Environment variable that says how many threads a batch has that is not told."""
+
+MAX_THREADS = 256
+
+_LEAST = 32
+"""Environments of a thread: to hand out fewer takes longer than to do them."""
+
+__all__ = ["MAX_THREADS", "VARIABLE", "Threads", "number_of_threads"]
+
+
+def number_of_threads(wanted: Any) -> int:
+    """As many as are asked for; None asks for what FO_GYM_NUM_THREADS says, and where it says nothing for one.
+
+    Raises:
+        ValueError: it is no whole number from 1 to MAX_THREADS.
+    """
+    if wanted is not None:
+        return whole_number("num_threads", wanted, 1, MAX_THREADS)
+    said = os.environ.get(VARIABLE, "").strip() or "1"
+    if not said.isdecimal():
+        raise ValueError(f"{VARIABLE} is {shown(said)}; give a whole number from 1 to {MAX_THREADS}, or unset it")
+    return whole_number(VARIABLE, int(said), 1, MAX_THREADS)
+
+
+class Threads:
+    """Shares the environments of a batch among threads; what they compute does not depend on how many there are.
+
+    Args:
+        num_envs: size of the batch.
+        wanted: threads at most; a small batch has fewer.
+
+    Attributes:
+        count: threads that there are, this one included.
+    """
+
+    def __init__(self, num_envs: int, wanted: int) -> None:
+        self.count = max(1, min(wanted, num_envs // _LEAST))
+        ends = [num_envs * share // self.count for share in range(self.count + 1)]
+        self._shares = list(pairwise(ends))
+
+    def run(self, work: Callable[..., None], *arguments: Any) -> None:
+        """Call `work(*arguments, first, last)` for every thread's share, and wait for all of them.
+
+        Args:
+            work: releases Python's lock while it works, as what Numba compiled with `nogil` does.
+            arguments: the same for all.
+        """
+        mine, *others = self._shares
+        tasks = [_pool(self.count - 1).submit(work, *arguments, *share) for share in others]
+        work(*arguments, *mine)
+        for task in tasks:
+            task.result()
+
+
+@lru_cache(maxsize=1)
+def _pool(helpers: int) -> ThreadPoolExecutor:
+    """The threads beside this one; batches that are stepped in turn share them."""
+    return ThreadPoolExecutor(helpers, thread_name_prefix="fo-gym")
+
+
+os.register_at_fork(after_in_child=_pool.cache_clear)  # a forked process has none of its parent's threads

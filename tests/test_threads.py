@@ -1,0 +1,111 @@
+"""Threads of a batch: as many as are asked for, and nothing that comes out depends on how many."""
+
+from __future__ import annotations
+
+import multiprocessing
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+import pytest
+
+import fo_gym
+from fo_gym.evaluation.episode.recorder import record
+from fo_gym.threads import VARIABLE, Threads, number_of_threads
+
+ENVS = 100
+
+
+def stepped(env_id: str, variant: str, num_threads: int | None, steps: int = 40) -> list[np.ndarray]:
+    """What a batch shows under random actions, and its reward."""
+    env: Any = gym.make_vec(env_id, num_envs=ENVS, variant=variant, num_threads=num_threads)
+    obs, _ = env.reset(seed=3)
+    generator, limit = np.random.default_rng(0), env.single_action_space.high
+    shown = [obs]
+    for _ in range(steps):
+        obs, reward, *_, info = env.step(generator.uniform(-0.3, 0.3, (ENVS, len(limit))) * limit)
+        shown += [obs, reward, info["z"], info["tau_f"]]
+    return shown
+
+
+@pytest.mark.parametrize("variant", ["randomized", "hardware"])
+@pytest.mark.parametrize("env_id", ["FJRStiction-v0", "FJRRegulation-v0", "FJRSquare-v0"])
+def test_any_number_gives_the_same_to_the_bit(env_id: str, variant: str) -> None:
+    one = stepped(env_id, variant, 1)
+    for number in (2, 3):
+        for expected, found in zip(one, stepped(env_id, variant, number), strict=True):
+            assert found.tobytes() == expected.tobytes()
+
+
+@pytest.mark.parametrize(("num_envs", "wanted", "count"), [(1, 8, 1), (63, 8, 1), (64, 8, 2), (256, 2, 2), (999, 1, 1)])
+def test_a_small_batch_has_fewer(num_envs: int, wanted: int, count: int) -> None:
+    threads = Threads(num_envs, wanted)
+    done = np.zeros(num_envs, dtype=int)
+
+    def work(step: int, first: int, last: int) -> None:
+        done[first:last] += step
+
+    threads.run(work, 2)
+    assert threads.count == count
+    np.testing.assert_array_equal(done, 2)
+
+
+def test_what_fails_in_a_thread_is_raised() -> None:
+    def work(first: int, last: int) -> None:
+        if first > 0:
+            raise ZeroDivisionError(f"environments {first} to {last}")
+
+    with pytest.raises(ZeroDivisionError, match="environments 32 to 64"):
+        Threads(64, 2).run(work)
+
+
+def test_who_is_not_told_asks_the_variable(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv(VARIABLE, raising=False)
+    assert number_of_threads(None) == 1
+    monkeypatch.setenv(VARIABLE, "2")
+    assert number_of_threads(None) == 2
+    assert number_of_threads(1) == 1
+    env: Any = gym.make_vec("FJRStiction-v0", num_envs=ENVS)
+    assert env.unwrapped.simulation.plant.threads.count == 2
+
+
+@pytest.mark.parametrize("wrong", [0, -1, 1.5, True, "two", 1000])
+def test_what_is_no_number_of_threads(wrong: Any) -> None:
+    with pytest.raises(ValueError, match="num_threads is"):
+        gym.make_vec("FJRStiction-v0", num_envs=2, num_threads=wrong)
+
+
+@pytest.mark.parametrize("wrong", ["two", "0", "-1", "1.5"])
+def test_what_the_variable_may_not_say(wrong: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(VARIABLE, wrong)
+    with pytest.raises(ValueError, match=f"{VARIABLE} is .*1"):
+        gym.make_vec("FJRStiction-v0", num_envs=2)
+
+
+def test_an_evaluation_leaves_the_processor_to_its_jobs(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(VARIABLE, "2")
+    counts: list[int] = []
+
+    def note(env: Any) -> None:
+        counts.append(env.simulation.plant.threads.count)
+
+    none = fo_gym.make_compensator("none")
+    record(none, "none", "FJRStiction-v0", "nominal", range(ENVS), {"duration": 0.01}, note)
+    assert counts == [1]
+
+
+def _child(connection: Any) -> None:
+    connection.send(stepped("FJRStiction-v0", "nominal", 2, steps=5)[-1].tobytes())
+
+
+def test_a_forked_process_has_its_own() -> None:
+    """The threads of its parent are not there."""
+    expected = stepped("FJRStiction-v0", "nominal", 2, steps=5)[-1].tobytes()
+    mine, its = multiprocessing.Pipe()
+    process = multiprocessing.get_context("fork").Process(target=_child, args=(its,))
+    process.start()
+    try:
+        assert mine.poll(60), "the forked process waits for ever"
+        assert mine.recv() == expected
+    finally:
+        process.kill()
