@@ -227,7 +227,7 @@ def test_a_chaotic_row_is_compared_with_its_twins(verified: Verified) -> None:
         0,
         "1 rows of 1 runs: 0 same to the byte, 0 within tolerance, 1 chaotic, 0 of other versions, 0 mismatch",
     )
-    assert f"chaotic: {SQUARE} nominal mine.py:Chaos 0" in lines
+    assert f"chaotic: {SQUARE} miro_like nominal mine.py:Chaos 0" in lines
 
 
 @pytest.mark.slow
@@ -236,7 +236,7 @@ def test_wrong_numbers_are_found_elsewhere(verified: Verified) -> None:
     code, lines = verified("x86_64 other 00000000", calm=0.01, chaos=0.5)
     assert code == 2
     for name in ("pd-low", "mine.py:Chaos"):
-        assert f"mismatch: {SQUARE} nominal {name} 0" in lines
+        assert f"mismatch: {SQUARE} miro_like nominal {name} 0" in lines
     assert lines[-1].endswith("0 chaotic, 0 of other versions, 2 mismatch")
 
 

@@ -17,7 +17,7 @@ from fo_gym.plant.kernel import MOTION, predict, sense
 from fo_gym.plant.kernels import kernel_of
 from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.plant.state import PlantState
-from fo_gym.plant.twin import twin_model
+from fo_gym.plant.twin import twin_data, twin_model
 from fo_gym.robots import LinkSide
 from fo_gym.threads import Threads, number_of_threads
 
@@ -291,10 +291,8 @@ class FlexibleJointPlant:
         friction = replace(self._law, **now)  # type: ignore[type-var]
         joints = dict(zip(JOINT, self._joints[env].T, strict=True))
         model = twin_model(self.link_side, joints, friction, self.body.mass_scale[env], timestep, integrator)
-        data = mujoco.MjData(model)
-        data.qpos[:] = np.concatenate([self.q[env], self.theta[env]])
-        data.qvel[:] = np.concatenate([self.q_dot[env], self.theta_dot[env]])
-        data.act[:] = self.z[env, values["sigma_0"] > 0.0]
-        data.time = self.time[env]
-        mujoco.mj_forward(model, data)
-        return model, data
+        q, q_dot, theta, theta_dot = self._state[: len(MOTION), env]
+        z = self.z[env, values["sigma_0"] > 0.0]
+        return model, twin_data(
+            model, np.concatenate([q, theta]), np.concatenate([q_dot, theta_dot]), z, self.time[env]
+        )

@@ -25,7 +25,7 @@ INTEGRATORS = {
 _MASS, _INERTIA = 1e-6, 1e-12
 """Of a motor's body [kg, kg m^2]: MuJoCo does not take zero, and makes the body's size in air from their ratio."""
 
-__all__ = ["INTEGRATORS", "twin_model"]
+__all__ = ["INTEGRATORS", "twin_data", "twin_model"]
 
 
 def twin_model(
@@ -70,6 +70,14 @@ def twin_model(
     model.opt.integrator = INTEGRATORS[integrator]
     mujoco.mj_setConst(model, mujoco.MjData(model))
     return model
+
+
+def twin_data(model: mujoco.MjModel, position: Array, velocity: Array, bristles: Array, time: float) -> mujoco.MjData:
+    """A twin's data in this state: links, then motors, and the deflections of those bristles that there are."""
+    data = mujoco.MjData(model)
+    data.qpos[:], data.qvel[:], data.act[:], data.time = position, velocity, bristles, time
+    mujoco.mj_forward(model, data)
+    return data
 
 
 def _add_motor(spec: mujoco.MjSpec, name: str, place: int, p: dict[str, float]) -> None:

@@ -14,7 +14,6 @@ from fo_gym.control.nominal_motor import NominalMotor
 from fo_gym.hardware import HardwareDraw
 from fo_gym.hardware.model import HardwareModel
 from fo_gym.parameters import JointInfo
-from fo_gym.plant import FlexibleJointPlant
 from fo_gym.robots import RobotLike
 from fo_gym.robots.poses import joint_range
 from fo_gym.simulation.hands import Hands
@@ -32,7 +31,7 @@ from fo_gym.simulation.memory import Memory
 from fo_gym.simulation.pushes import Pushes
 from fo_gym.simulation.settings import Settings
 from fo_gym.simulation.state import Origin, SimulationState
-from fo_gym.simulation.steps import followed_dt
+from fo_gym.simulation.steps import plant_of
 from fo_gym.tasks.control import TaskControl
 from fo_gym.tasks.draw import draw_scenario
 from fo_gym.tasks.options import Limits, Options
@@ -84,15 +83,7 @@ class Simulation:
         self.last_tick = settings.ticks(self.task)
         self.dof = self.robot.dof
         self.torque_limit = np.asarray(self.robot.flexible.torque_limit)
-        self.plant = FlexibleJointPlant(
-            self.robot.link_side,
-            num_envs,
-            joints=self.robot.flexible,
-            friction=self.robot.friction,
-            control_dt=settings.control_dt,
-            physics_dt=followed_dt(self.robot, self.task, settings),
-            num_threads=num_threads,
-        )
+        self.plant = plant_of(self.robot, self.task, num_envs, settings, num_threads)
         self.num_envs = num_envs = self.plant.num_envs
         self.control: TaskControl = self.task.reference.control(self.robot, self.plant, self.task.gains)
         scale = self.task.reward_scale

@@ -13,7 +13,22 @@ from fo_gym.simulation.settings import Settings
 from fo_gym.tasks.draw import draw_scenario
 from fo_gym.tasks.task import Task
 
-__all__ = ["followed_dt"]
+__all__ = ["followed_dt", "plant_of"]
+
+
+def plant_of(
+    robot: Robot, task: Task, num_envs: int, settings: Settings, num_threads: int | None
+) -> FlexibleJointPlant:
+    """The plant of a batch; see `followed_dt` for its micro-step, FlexibleJointPlant for `num_threads`."""
+    return FlexibleJointPlant(
+        robot.link_side,
+        num_envs,
+        joints=robot.flexible,
+        friction=robot.friction,
+        control_dt=settings.control_dt,
+        physics_dt=followed_dt(robot, task, settings),
+        num_threads=num_threads,
+    )
 
 
 def followed_dt(robot: Robot, task: Task, settings: Settings) -> PhysicsDt:
