@@ -15,9 +15,10 @@ from environments import IDS
 from typer.testing import CliRunner, Result
 
 from fo_gym.bench import run
+from fo_gym.bench.bars import BARS, verdict
 from fo_gym.bench.measure import Subject, calls_per_slice, interleaved, seconds, spread
 from fo_gym.bench.report import counts, page, write_bench
-from fo_gym.bench.run import BARS, FULL, QUICK, Size, bench, count, verdict
+from fo_gym.bench.run import FULL, QUICK, Size, bench, count
 from fo_gym.cli import app
 from fo_gym.console import console
 from fo_gym.extras import install_command
@@ -28,6 +29,8 @@ ROWS = [
     ("batch", "MuJoCo twin"),
     ("batch", "MuJoCo forward"),
     ("single", "MuJoCo twin"),
+    ("threads", "one thread"),
+    ("growth", "fewer environments"),
     ("throughput", "Gymnasium sync"),
     ("throughput", "Gymnasium async"),
     ("throughput", "SB3 SubprocVecEnv"),
@@ -115,6 +118,9 @@ def test_a_machine_that_slows_down_is_fair() -> None:
         ("batch", 0.25, 0.25, "holds"),
         ("batch", 0.26, 0.25, "misses"),
         ("single", 3.0, 2.0, "misses"),
+        ("threads", 1.7, 1.7, "holds"),
+        ("threads", 1.6, 1.7, "misses"),
+        ("growth", 1.03, 1.02, "misses"),
         ("throughput", 8.0, 8.0, "holds"),
         ("throughput", 7.9, 8.0, "misses"),
         ("throughput", 7.9, np.nan, ""),
@@ -139,7 +145,8 @@ def fixed_times(monkeypatch: pytest.MonkeyPatch) -> None:
         peers = [np.array([10.0, 10.0, 20.0])] * (len(subjects) - 1)
         return 1e-3 * np.stack([np.array([1.0, 2.0, 8.0]), *peers], axis=1)
 
-    for name, peers in (("some_beside_mujoco", 2), ("one_beside_mujoco", 1), ("many_beside_peer", 1)):
+    one = ("one_beside_mujoco", "threads_beside_one", "many_beside_few", "many_beside_peer")
+    for name, peers in (("some_beside_mujoco", 2), *((name, 1) for name in one)):
         monkeypatch.setattr(run, name, opener(peers))
     monkeypatch.setattr(run, "interleaved", times)
 
@@ -150,16 +157,23 @@ def test_rows_are_medians_of_ratios(fixed_times: None) -> None:
     # Ratios of the rounds are 0.1, 0.2 and 0.4; the ratio of the medians is 0.2, that of the means 0.275.
     assert batch[["ratio", "q1", "q3"]].tolist() == pytest.approx([0.2, 0.15, 0.3])
     assert batch[["ours_us", "peer_us"]].tolist() == pytest.approx([2000 / 256, 10000 / 256])
-    assert batch["verdict"] == "holds"
+    assert batch["verdict"] == "misses"
+    threads = table.loc[(STICTION, "threads", "one thread")]
+    assert threads[["ratio", "ours_us", "peer_us"]].tolist() == pytest.approx([5.0, 2000 / 256, 10000 / 256])
+    growth = table.loc[(STICTION, "growth", "fewer environments")]
+    assert growth[["num_envs", "ours_us", "peer_us"]].tolist() == pytest.approx([1024, 2000 / 1024, 10000 / 64])
+    # 16 times as many take 0.2 of the time in the middle round.
+    assert growth["ratio"] == pytest.approx(np.log(0.2) / np.log(16.0))
+    assert growth["verdict"] == "holds"
     single = table.loc[(REGULATION, "single", "MuJoCo twin")]
     assert single[["num_envs", "ours_us", "peer_us"]].tolist() == pytest.approx([1, 2000, 10000])
     many = table.loc[(STICTION, "throughput", "Gymnasium async")]
     assert many[["ratio", "q1", "q3"]].tolist() == pytest.approx([5.0, 3.75, 7.5])
     assert (many["bar"], many["verdict"]) == (8.0, "misses")
     assert table.loc[(REGULATION, "throughput", "Gymnasium async"), "verdict"] == "holds"
-    assert table.loc[SQUARE, "bar"].isna().all()
-    assert (table.loc[SQUARE, "verdict"] == "").all()
-    assert counts(table) == "8 bars measured: 6 hold, 2 missed"
+    assert table.loc[(SQUARE, "throughput"), "bar"].isna().all()
+    assert (table.loc[(SQUARE, "throughput"), "verdict"] == "").all()
+    assert counts(table) == f"{len(BARS)} bars measured: 14 hold, 5 missed"
 
 
 def test_bars_are_about_their_number_of_environments(fixed_times: None) -> None:
@@ -200,11 +214,11 @@ def test_all_rows_are_there(quick: tuple[Result, Path]) -> None:
     ]
     numbers = table[["ratio", "q1", "q3", "ours_us", "peer_us"]].to_numpy()
     assert np.isfinite(numbers).all()
-    assert (numbers > 0.0).all()
+    assert (numbers[:, -2:] > 0.0).all()
     assert ((table["q1"] <= table["ratio"]) & (table["ratio"] <= table["q3"])).all()
-    assert table["num_envs"].tolist() == [4, 4, 1, 2, 2, 2] * 3
+    assert table["num_envs"].tolist() == [4, 4, 1, 4, 16, 2, 2, 2] * len(IDS)
     assert set(table.loc[table["bar"].notna(), "verdict"]) <= {"holds", "misses"}
-    assert table["bar"].count() == 2
+    assert table["bar"].count() == 3
     assert (table["version_stable_baselines3"] != "").all()
 
 
@@ -218,9 +232,9 @@ def test_the_page_says_what_the_table_says(quick: tuple[Result, Path]) -> None:
             assert text.count(f"| {env_id} | {measured} | {beside} |") == 1
             assert f"{env_id}, {measured}, beside " in result.stderr
     assert "mujoco 4" in text
-    assert "2 bars measured" in text
-    assert "2 bars measured" in result.stdout
-    assert result.stdout.count("SB3 SubprocVecEnv") == 3
+    assert "3 bars measured" in text
+    assert "3 bars measured" in result.stdout
+    assert result.stdout.count("SB3 SubprocVecEnv") == len(IDS)
 
 
 def test_nothing_is_written_unless_asked(fixed_times: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -235,16 +249,16 @@ def test_nothing_is_written_unless_asked(fixed_times: None, tmp_path: Path, monk
 def test_a_missing_peer_is_a_row_that_says_so(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     for module in ("stable_baselines3", "stable_baselines3.common.vec_env"):
         monkeypatch.setitem(sys.modules, module, None)
-    tiny = Size(num_envs=2, many=2, repeats=1, slice_seconds=1e-3)
+    tiny = Size(num_envs=2, few=1, most=2, many=2, repeats=1, slice_seconds=1e-3)
     done: list[str] = []
     table = bench([STICTION], tiny, on_group=done.append)
-    assert len(done) == count([STICTION], tiny) == 5
+    assert len(done) == count([STICTION], tiny) == 7
     assert list(table[["measured", "beside"]].itertuples(index=False, name=None)) == ROWS
     missing = table.iloc[-1]
     assert missing[["ratio", "q1", "q3", "ours_us", "peer_us"]].isna().all()
     assert missing["verdict"].startswith("not measured: ")
     assert install_command("rl") in missing["verdict"]
-    assert table["ratio"].notna().sum() == 5
+    assert table["ratio"].notna().sum() == 7
     assert "not measured: " in page(table)
     write_bench(table, tmp_path)
     assert pd.read_csv(tmp_path / "bench.csv")["ratio"].isna().sum() == 1

@@ -150,8 +150,8 @@ def test_another_twin_is_seen(broken: pytest.MonkeyPatch, id: str) -> None:
     """A spring that is stiffer by one per cent."""
     right: Callable[..., Any] = plant_module.twin_model
 
-    def stiffer(*arguments: Any) -> Any:
-        model = right(*arguments)
+    def stiffer(*arguments: Any, **keywords: Any) -> Any:
+        model = right(*arguments, **keywords)
         model.tendon_stiffness[-1] *= 1.01
         return model
 

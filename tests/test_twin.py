@@ -68,6 +68,21 @@ def test_inertia_is_the_links_and_the_motors_apart(pendulum: MakeRobot, kind: st
     np.testing.assert_allclose(inertia_of(*plant.to_mujoco()), expected, atol=1e-12)
 
 
+@pytest.mark.parametrize("kind", ELBOWS)
+def test_without_a_scene_it_is_the_same_dynamics(pendulum: MakeRobot, kind: str) -> None:
+    """Masses that are the geoms' too; what is seen, touched or limited is gone."""
+    plant = FlexibleJointPlant(elbowed(pendulum, kind), 1, joints=JOINTS, friction=FRICTION)
+    plant.reset(np.array([0]), POSE)
+    (whole, its), (lean, own) = plant.to_mujoco(), plant.to_mujoco(scene=False)
+    assert whole.ngeom > 0
+    assert (lean.ngeom, lean.ncam, lean.nlight) == (0, 0, 0)
+    np.testing.assert_allclose(inertia_of(lean, own), inertia_of(whole, its), rtol=0.0, atol=1e-12)
+    for model, data in ((whole, its), (lean, own)):
+        step_twin(model, data, np.array([3.0, -2.0]), np.zeros(2), 200)
+    assert np.abs(its.qpos - plant.to_mujoco()[1].qpos).max() > 1e-4
+    np.testing.assert_allclose(own.qpos, its.qpos, rtol=0.0, atol=1e-9)
+
+
 def test_mass_scale_is_the_links(pendulum: MakeRobot) -> None:
     plant = varied(pendulum())
     heavy, light = (inertia_of(*plant.to_mujoco(env)) for env in (1, 0))

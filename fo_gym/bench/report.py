@@ -8,16 +8,18 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from fo_gym.bench.run import HOLDS, MISSES, THROUGHPUT
+from fo_gym.bench.bars import HOLDS, MISSES, MORE_IS_BETTER
 from fo_gym.evaluation.results.tables import Ranking, markdown
 from fo_gym.files import atomic, csv
 
 EXPLANATION = (
-    "batch and single: our time over the peer's, less is better. throughput: our steps per second over the peer's, "
-    "more is better. Ratios are medians over rounds in which everybody is timed in turn, with their quartiles; us is "
-    "microseconds per environment and control period. Ours is the whole step of the environment, on one thread; "
-    "the MuJoCo twin is the same plant's bare physics, wholly in MuJoCo at steps of 100 us; MuJoCo forward is what our "
-    "plant has MuJoCo compute, inertia and bias of the links. Bars are for a machine of two cores."
+    "batch and single: our time over the peer's, less is better. threads: how many times faster a batch is on two "
+    "threads than on one; throughput: our steps per second over the peer's; more is better. growth: the power of the "
+    "number of environments with which the time of a batch grows between the two numbers, 1 is linear. Ratios are "
+    "medians over rounds in which everybody is timed in turn, with their quartiles; us is microseconds per environment "
+    "and control period. Ours is the whole step of the environment, on one thread; the MuJoCo twin is the same plant's "
+    "bare physics, wholly in MuJoCo at steps of 100 us, without geoms, contacts and joint limits; MuJoCo forward is "
+    "what our plant has MuJoCo compute, inertia and bias of the links. Bars are for a machine of two cores."
 )
 """How to read the table."""
 
@@ -35,7 +37,7 @@ def _number(value: float) -> str:
 
 
 def _cells(row: dict[Any, Any]) -> list[str]:
-    sign = "≥" if row["measured"] == THROUGHPUT else "≤"
+    sign = "≥" if row["measured"] in MORE_IS_BETTER else "≤"
     return [
         row["env"],
         row["measured"],

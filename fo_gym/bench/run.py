@@ -12,67 +12,40 @@ import numpy as np
 import pandas as pd
 
 from fo_gym import ENVIRONMENTS
+from fo_gym.bench.bars import (
+    ASYNC,
+    BARS,
+    BATCH,
+    FEW,
+    FORWARD,
+    GROWTH,
+    MORE_IS_BETTER,
+    NOT_MEASURED,
+    ONE_THREAD,
+    SINGLE,
+    SUBPROC,
+    SYNC,
+    THREADS,
+    THROUGHPUT,
+    TWIN,
+    verdict,
+)
 from fo_gym.bench.measure import Array, Subject, interleaved, spread
 from fo_gym.bench.subjects import (
     gymnasium_async,
     gymnasium_sync,
+    many_beside_few,
     many_beside_peer,
     one_beside_mujoco,
     sb3_subproc,
     some_beside_mujoco,
+    threads_beside_one,
 )
 from fo_gym.checks import shown
 from fo_gym.evaluation.runs.provenance import versions
 from fo_gym.extras import install_command
 
-BATCH, SINGLE, THROUGHPUT = "batch", "single", "throughput"
-"""What is measured: the time of a batch's step, of one environment's step; steps per second of many environments."""
-
-TWIN, FORWARD = "MuJoCo twin", "MuJoCo forward"
-SYNC, ASYNC, SUBPROC = "Gymnasium sync", "Gymnasium async", "SB3 SubprocVecEnv"
-"""Peers."""
-
-_STICTION, _REGULATION = "FJRStiction-v0", "FJRRegulation-v0"
-
-BARS = {
-    (_STICTION, BATCH, TWIN, 256): 0.25,
-    (_REGULATION, BATCH, TWIN, 256): 0.40,
-    (_STICTION, SINGLE, TWIN, 1): 2.0,
-    (_REGULATION, SINGLE, TWIN, 1): 1.25,
-    (_STICTION, THROUGHPUT, ASYNC, 64): 8.0,
-    (_REGULATION, THROUGHPUT, ASYNC, 64): 4.0,
-    (_STICTION, THROUGHPUT, SUBPROC, 64): 8.0,
-    (_REGULATION, THROUGHPUT, SUBPROC, 64): 4.0,
-}
-"""What is promised on a machine of two cores, by environment, measurement, peer and number of environments.
-
-The most that a ratio of times may be, the least that a ratio of throughputs may be.
-"""
-
-HOLDS, MISSES, NOT_MEASURED = "holds", "misses", "not measured"
-"""Verdicts; the last one with its reason."""
-
-__all__ = [
-    "ASYNC",
-    "BARS",
-    "BATCH",
-    "FORWARD",
-    "FULL",
-    "HOLDS",
-    "MISSES",
-    "NOT_MEASURED",
-    "QUICK",
-    "SINGLE",
-    "SUBPROC",
-    "SYNC",
-    "THROUGHPUT",
-    "TWIN",
-    "Size",
-    "bench",
-    "check_envs",
-    "count",
-    "verdict",
-]
+__all__ = ["FULL", "QUICK", "Size", "bench", "check_envs", "count"]
 
 
 @dataclass(frozen=True)
@@ -81,12 +54,17 @@ class Size:
 
     Attributes:
         num_envs: environments of the batch.
+        num_threads: of the threads' row.
+        few, most: environments between which the growth is measured.
         many: environments whose throughput is measured; as many processes in those peers that need them.
         repeats: rounds, in each of which everybody has a slice.
         slice_seconds: length of a slice [s].
     """
 
     num_envs: int = 256
+    num_threads: int = 2
+    few: int = 64
+    most: int = 1024
     many: int = 64
     repeats: int = 15
     slice_seconds: float = 0.15
@@ -95,7 +73,7 @@ class Size:
 FULL = Size()
 """What the bars are about."""
 
-QUICK = Size(num_envs=16, many=2, repeats=3, slice_seconds=0.01)
+QUICK = Size(num_envs=16, few=4, most=16, many=2, repeats=3, slice_seconds=0.01)
 """Enough to see that everything runs."""
 
 
@@ -104,26 +82,37 @@ class _Group:
     """What is timed by turns: ours, and its peers.
 
     Attributes:
-        measured: BATCH, SINGLE or THROUGHPUT.
-        num_envs: of ours and of each peer.
+        measured: BATCH, SINGLE, THREADS, GROWTH or THROUGHPUT.
+        num_envs, peer_envs: of ours, and of each peer.
         peers: their names.
         open: from an environment's id to what is timed, ours first, then the peers.
     """
 
     measured: str
     num_envs: int
+    peer_envs: int
     peers: tuple[str, ...]
     open: Callable[[str], AbstractContextManager[list[Subject]]]
+
+    def ratio(self, ours: Array, theirs: Array) -> Array:
+        """What the row tells of the seconds per call in every round, (repeats,) each."""
+        if self.measured == GROWTH:
+            return np.asarray(np.log(ours / theirs) / np.log(self.num_envs / self.peer_envs))
+        return np.asarray(theirs / ours if self.measured in MORE_IS_BETTER else ours / theirs)
 
 
 def _groups(size: Size) -> list[_Group]:
     makers = {SYNC: gymnasium_sync, ASYNC: gymnasium_async, SUBPROC: sb3_subproc}
+    n, many = size.num_envs, size.many
+    threads = partial(threads_beside_one, num_envs=n, num_threads=size.num_threads)
     return [
-        _Group(BATCH, size.num_envs, (TWIN, FORWARD), partial(some_beside_mujoco, num_envs=size.num_envs)),
-        _Group(SINGLE, 1, (TWIN,), one_beside_mujoco),
+        _Group(BATCH, n, n, (TWIN, FORWARD), partial(some_beside_mujoco, num_envs=n)),
+        _Group(SINGLE, 1, 1, (TWIN,), one_beside_mujoco),
+        _Group(THREADS, n, n, (ONE_THREAD,), threads),
+        _Group(GROWTH, size.most, size.few, (FEW,), partial(many_beside_few, many=size.most, few=size.few)),
         # One group for each of these, so that the processes of one do not wait in memory beside those of another.
         *(
-            _Group(THROUGHPUT, size.many, (name,), partial(many_beside_peer, num_envs=size.many, make_peer=maker))
+            _Group(THROUGHPUT, many, many, (name,), partial(many_beside_peer, num_envs=many, make_peer=maker))
             for name, maker in makers.items()
         ),
     ]
@@ -147,19 +136,10 @@ def count(env_ids: Iterable[str], size: Size) -> int:
     return len(list(env_ids)) * len(_groups(size))
 
 
-def verdict(measured: str, ratio: float, bar: float) -> str:
-    """Whether a ratio keeps its bar; "" where there is none, NaN."""
-    if np.isnan(bar):
-        return ""
-    kept = ratio >= bar if measured == THROUGHPUT else ratio <= bar
-    return HOLDS if kept else MISSES
-
-
 def _row(env_id: str, group: _Group, peer: str, ours: Array, theirs: Array) -> dict[str, object]:
     """One row from seconds per call in every round, (repeats,) each."""
-    ratio = spread(theirs / ours if group.measured == THROUGHPUT else ours / theirs)
+    ratio = spread(group.ratio(ours, theirs))
     bar = BARS.get((env_id, group.measured, peer, group.num_envs), np.nan)
-    microseconds = 1e6 / group.num_envs
     return {
         "env": env_id,
         "measured": group.measured,
@@ -170,8 +150,8 @@ def _row(env_id: str, group: _Group, peer: str, ours: Array, theirs: Array) -> d
         "q3": ratio.q3,
         "bar": bar,
         "verdict": verdict(group.measured, ratio.median, bar),
-        "ours_us": microseconds * spread(ours).median,
-        "peer_us": microseconds * spread(theirs).median,
+        "ours_us": 1e6 / group.num_envs * spread(ours).median,
+        "peer_us": 1e6 / group.peer_envs * spread(theirs).median,
     }
 
 

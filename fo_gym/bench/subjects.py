@@ -41,10 +41,12 @@ __all__ = [
     "TWIN_TIMESTEP",
     "gymnasium_async",
     "gymnasium_sync",
+    "many_beside_few",
     "many_beside_peer",
     "one_beside_mujoco",
     "sb3_subproc",
     "some_beside_mujoco",
+    "threads_beside_one",
 ]
 
 
@@ -66,10 +68,11 @@ def _held(env: Any, ours: JointEnv | JointVectorEnv, action: Array) -> Subject:
 def _twin(simulation: Simulation) -> Subject:
     """One control period of every environment's twin from where it is now, its motor torque held: physics alone.
 
-    All environments must have the parameters of the first: they are nominal.
+    It is as lean as MuJoCo has it: nothing to see, no contacts, no joint limits. All environments must have the
+    parameters of the first: they are nominal.
     """
     plant = simulation.plant
-    model, _ = plant.to_mujoco(timestep=TWIN_TIMESTEP)
+    model, _ = plant.to_mujoco(timestep=TWIN_TIMESTEP, scene=False)
     batch = Batch(model, simulation.num_envs, nthread=1)  # ours has one thread, too
     batch.bind("time")[:] = plant.time
     batch.bind("qpos")[:] = np.concatenate([plant.q, plant.theta], axis=1)
@@ -92,12 +95,31 @@ def _forward(simulation: Simulation) -> Subject:
 
 
 @contextmanager
+def _batch(env_id: str, num_envs: int, num_threads: int = 1) -> Iterator[tuple[Subject, Simulation]]:
+    with closing(gym.make_vec(env_id, num_envs=num_envs, num_threads=num_threads, **_SETTINGS)) as envs:
+        ours = cast(JointVectorEnv, envs.unwrapped)
+        yield _held(envs, ours, _actions(ours.simulation)), ours.simulation
+
+
+@contextmanager
 def some_beside_mujoco(env_id: str, num_envs: int) -> Iterator[list[Subject]]:
     """A control period of `num_envs` environments, of their twins, and of MuJoCo's part in our plants."""
-    with closing(gym.make_vec(env_id, num_envs=num_envs, **_SETTINGS)) as envs:
-        ours = cast(JointVectorEnv, envs.unwrapped)
-        held = _held(envs, ours, _actions(ours.simulation))
-        yield [held, _twin(ours.simulation), _forward(ours.simulation)]
+    with _batch(env_id, num_envs) as (held, simulation):
+        yield [held, _twin(simulation), _forward(simulation)]
+
+
+@contextmanager
+def threads_beside_one(env_id: str, num_envs: int, num_threads: int) -> Iterator[list[Subject]]:
+    """A control period of `num_envs` environments on some threads, and on one."""
+    with _batch(env_id, num_envs, num_threads) as (some, _), _batch(env_id, num_envs) as (one, _):
+        yield [some, one]
+
+
+@contextmanager
+def many_beside_few(env_id: str, many: int, few: int) -> Iterator[list[Subject]]:
+    """A control period of many environments, and of few."""
+    with _batch(env_id, many) as (larger, _), _batch(env_id, few) as (smaller, _):
+        yield [larger, smaller]
 
 
 @contextmanager

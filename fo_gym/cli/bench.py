@@ -73,8 +73,8 @@ def run_bench(
 
 
 def _view(table: pd.DataFrame) -> Table:
+    from fo_gym.bench.bars import MISSES
     from fo_gym.bench.report import view
-    from fo_gym.bench.run import MISSES
 
     ranking = view(table)
     words = {"env", "measured", "beside", "verdict"}

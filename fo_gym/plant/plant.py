@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import mujoco
@@ -269,7 +268,7 @@ class FlexibleJointPlant:
         self._ticks[:] = np.rint(np.asarray(state.time) / self.control_dt).astype(np.int64)
 
     def to_mujoco(
-        self, env: int = 0, *, timestep: float = 1e-4, integrator: str = "implicitfast"
+        self, env: int = 0, *, timestep: float = 1e-4, integrator: str = "implicitfast", scene: bool = True
     ) -> tuple[mujoco.MjModel, mujoco.MjData]:
         """The twin: environment `env`, motors, springs and friction included, wholly in MuJoCo, in its present state.
 
@@ -281,18 +280,13 @@ class FlexibleJointPlant:
             env: which environment.
             timestep: MuJoCo's step [s].
             integrator: "euler", "implicit", "implicitfast" or "rk4".
+            scene: whether with what is seen, contacts and joint limits; without, it is faster.
 
         Raises:
             ValueError: no such environment or integrator, a time step that is not above 0, or a law that MuJoCo lacks.
         """
         env = whole_number("env", env, 0, self.num_envs - 1)
-        values = {name: self._friction[env][name] for name in self._friction.dtype.names or ()}
-        now = {name: value for name, value in values.items() if value.ndim == 1}  # what is the same for all stays
-        friction = replace(self._law, **now)  # type: ignore[type-var]
-        joints = dict(zip(JOINT, self._joints[env].T, strict=True))
-        model = twin_model(self.link_side, joints, friction, self.body.mass_scale[env], timestep, integrator)
-        q, q_dot, theta, theta_dot = self._state[: len(MOTION), env]
-        z = self.z[env, values["sigma_0"] > 0.0]
-        return model, twin_data(
-            model, np.concatenate([q, theta]), np.concatenate([q_dot, theta_dot]), z, self.time[env]
-        )
+        friction = self._friction[env]
+        parts = self.link_side, self._joints[env], self._law, friction, self.body.mass_scale[env]
+        model = twin_model(*parts, timestep, integrator, scene=scene)
+        return model, twin_data(model, self._state[:, env], friction, self.time[env])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import mujoco
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 
 from fo_gym.checks import POSITIVE, choice, number
 from fo_gym.friction import FrictionLaw, LuGre
+from fo_gym.parameters import JOINT
 from fo_gym.robots import LinkSide
 
 Array = NDArray[np.float64]
@@ -30,11 +30,14 @@ __all__ = ["INTEGRATORS", "twin_data", "twin_model"]
 
 def twin_model(
     link_side: LinkSide,
-    joints: Mapping[str, Array],
-    friction: FrictionLaw,
+    joints: Array,
+    law: FrictionLaw,
+    friction: NDArray[Any],
     mass_scale: float,
     timestep: float,
     integrator: str,
+    *,
+    scene: bool,
 ) -> mujoco.MjModel:
     """The robot with a motor, a spring and LuGre friction at every joint, as one MuJoCo model.
 
@@ -44,38 +47,55 @@ def twin_model(
 
     Args:
         link_side: the links.
-        joints: for each of JOINT an array of one value per joint.
-        friction: likewise; MuJoCo has LuGre alone.
+        joints: motors and springs, (dof, 3), columns as in fo_gym.parameters.JOINT.
+        law: of friction; MuJoCo has LuGre alone.
+        friction: its parameters, (dof,), of its dtype.
         mass_scale: factor on the masses of the file.
         timestep: MuJoCo's step [s]. Its bristles hold a stuck joint only for steps below sigma_1 / sigma_0.
         integrator: one of INTEGRATORS.
+        scene: whether with what is seen, contacts and joint limits.
 
     Raises:
         ValueError: the time step is not above 0, there is no such integrator, or the friction is not LuGre.
     """
     number("timestep", timestep, POSITIVE, "s")
     choice("integrator", integrator, INTEGRATORS)
-    if not isinstance(friction, LuGre):
-        raise ValueError(
-            f"friction is {type(friction).__name__}; MuJoCo has LuGre alone: give a plant with that for a twin"
-        )
-    values = {**joints, **vars(friction)}
+    if not isinstance(law, LuGre):
+        raise ValueError(f"friction is {type(law).__name__}; MuJoCo has LuGre alone: give a plant with that for a twin")
+    names = friction.dtype.names or ()
+    values = dict(zip(JOINT, joints.T, strict=True)) | {name: friction[name] for name in names}
     spec = link_side.scene_spec
     for j, name in enumerate(link_side.joints):
         _add_motor(spec, name, j, {field: float(value[j]) for field, value in values.items()})
+    if not scene:
+        _strip(spec)
     model = spec.compile()
     model.body_mass[: model.nbody - link_side.dof] *= mass_scale
     model.body_inertia[: model.nbody - link_side.dof] *= mass_scale
     model.opt.timestep = timestep
     model.opt.integrator = INTEGRATORS[integrator]
+    if not scene:
+        model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
     mujoco.mj_setConst(model, mujoco.MjData(model))
     return model
 
 
-def twin_data(model: mujoco.MjModel, position: Array, velocity: Array, bristles: Array, time: float) -> mujoco.MjData:
-    """A twin's data in this state: links, then motors, and the deflections of those bristles that there are."""
+def _strip(spec: mujoco.MjSpec) -> None:
+    """Take away what is only seen or touched; bodies keep the masses that they have of it."""
+    whole = spec.compile()
+    for i, body in enumerate(spec.bodies):
+        body.mass, body.ipos, body.iquat = whole.body_mass[i], whole.body_ipos[i], whole.body_iquat[i]
+        body.inertia, body.explicitinertial = whole.body_inertia[i], True
+    for seen in (*spec.geoms, *spec.cameras, *spec.lights):
+        spec.delete(seen)
+
+
+def twin_data(model: mujoco.MjModel, motion: Array, friction: NDArray[Any], time: float) -> mujoco.MjData:
+    """A twin's data in a state of the plant, (5, dof) as in its `motion`, at `time` [s]; `friction` as there."""
+    q, q_dot, theta, theta_dot, z = motion
     data = mujoco.MjData(model)
-    data.qpos[:], data.qvel[:], data.act[:], data.time = position, velocity, bristles, time
+    data.qpos[:], data.qvel[:], data.time = np.concatenate([q, theta]), np.concatenate([q_dot, theta_dot]), time
+    data.act[:] = z[friction["sigma_0"] > 0.0]
     mujoco.mj_forward(model, data)
     return data
 
