@@ -9,7 +9,7 @@ test test-slow test-robots test-portable publish-pages: export MUJOCO_GL ?= egl
 PYTEST := $(BIN)/python -m pytest -n 2 --dist loadfile
 
 .PHONY: leaderboard quick reproduce reproduce-quick train tune bench test test-slow test-robots test-all test-portable check
-.PHONY: publish publish-pages publish-bench clean help
+.PHONY: publish publish-laws publish-pages publish-bench clean help
 
 leaderboard: $(VENV)/.run  ## score everybody, to build/leaderboard (half an hour on two cores)
 	$(BIN)/fo-gym leaderboard
@@ -63,6 +63,9 @@ publish: $(VENV)/.dev system  ## run leaderboard and reproduction, write leaderb
 	$(BIN)/fo-gym leaderboard --out leaderboard
 	$(BIN)/fo-gym reproduce --out leaderboard
 	$(MAKE) publish-pages
+
+publish-laws: $(VENV)/.dev  ## run the leaderboard under each friction law, write leaderboard/laws/
+	$(BIN)/fo-gym leaderboard --protocol laws --out leaderboard/laws
 
 publish-pages: $(VENV)/.dev system  ## redraw the pictures, the tables and the reference of README and docs/
 	$(BIN)/python docs/pictures.py

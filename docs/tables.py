@@ -11,9 +11,11 @@ import pandas as pd
 
 from fo_gym.evaluation.metrics import METRICS
 from fo_gym.evaluation.metrics.registry import HEADLINE
+from fo_gym.evaluation.results.laws import finding as over_laws
 from fo_gym.evaluation.results.statistics import interquartile_mean, paired_difference
 from fo_gym.evaluation.results.tables import Ranking, explained, finding, markdown, summary
 from fo_gym.evaluation.runs.episodes import SET, label_of
+from fo_gym.evaluation.runs.protocol import load_protocol
 from fo_gym.files import read_csv
 from fo_gym.reproduction.report import PLACES, counts, tolerance
 from fo_gym.reproduction.run import FAILS, HOLDS
@@ -33,6 +35,11 @@ def leaderboard() -> str:
 def hardware() -> str:
     """What the leaderboard says about robots as they are, in two sentences."""
     return finding(_csv("leaderboard/leaderboard.csv"), "hardware") + "\n"
+
+
+def laws() -> str:
+    """Which conclusions survive a change of the friction law, in two sentences."""
+    return over_laws(load_protocol("laws"), _csv("leaderboard/laws/leaderboard.csv")) + "\n"
 
 
 def _csv(name: str) -> pd.DataFrame:
@@ -188,6 +195,7 @@ PAGES: dict[str, dict[str, Callable[[], str]]] = {
     },
     "docs/arm.md": {name: partial(arm, name) for name in ("verdicts", "randomized", "sensitivity")},
     "docs/processors.md": {"tolerances": tolerances, "chaotic": chaotic},
+    "docs/friction.md": {"laws": laws},
     "docs/learning.md": {"learned": learned, "outside": outside, "ticks": ticks, "training": training},
 }
 """What stands between the marks of each name in each page."""

@@ -50,7 +50,7 @@ class Threads:
     def __init__(self, num_envs: int, wanted: int) -> None:
         self.count = max(1, min(wanted, num_envs // _LEAST))
         ends = [num_envs * share // self.count for share in range(self.count + 1)]
-        self._shares = list(pairwise(ends))
+        self._mine, *self._others = pairwise(ends)
 
     def run(self, work: Callable[..., None], *arguments: Any) -> None:
         """Call `work(*arguments, first, last)` for every thread's share, and wait for all of them.
@@ -59,9 +59,8 @@ class Threads:
             work: releases Python's lock while it works, as what Numba compiled with `nogil` does.
             arguments: the same for all.
         """
-        mine, *others = self._shares
-        tasks = [_pool(self.count - 1).submit(work, *arguments, *share) for share in others]
-        work(*arguments, *mine)
+        tasks = [_pool(self.count - 1).submit(work, *arguments, *share) for share in self._others]
+        work(*arguments, *self._mine)
         for task in tasks:
             task.result()
 

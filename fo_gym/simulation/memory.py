@@ -16,6 +16,7 @@ from fo_gym.simulation.past_step import PastStep
 Array = NDArray[np.float64]
 
 _ACTED = PastStep.names()
+_TRUTH = (*MOTION, "z", *_ACTED)
 
 __all__ = ["Memory"]
 
@@ -78,11 +79,11 @@ class Memory:
     def truth(self, motion: Array, rows: int | slice) -> dict[str, Array]:
         """Of the named environments: what moves, of the plant's `motion`, and what acted in the past step: copies."""
         record = np.concatenate((motion[:, rows], self.past[:, rows]))
-        states = len(motion) - len(MOTION)
-        truth = dict(zip((*MOTION, *["z"] * states, *_ACTED), record, strict=True))
-        if states != 1:
-            truth["z"] = np.moveaxis(record[len(MOTION) : -len(_ACTED)], 0, -1)
-        return truth
+        if len(record) == len(_TRUTH):
+            return dict(zip(_TRUTH, record, strict=True))
+        z = np.moveaxis(record[len(MOTION) : -len(_ACTED)], 0, -1)
+        moving, acted = record[: len(MOTION)], record[-len(_ACTED) :]
+        return dict(zip(_TRUTH, (*moving, z, *acted), strict=True))
 
     def set_past(self, step: PastStep) -> None:
         """Continue as after `step`."""
