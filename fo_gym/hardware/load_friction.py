@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.checks import NOT_NEGATIVE, check_numbers
-from fo_gym.compiling import jit
 from fo_gym.hardware.effect import Effect, Episodes, FrictionChange
 
 Array = NDArray[np.float64]
@@ -60,21 +59,9 @@ class LoadFriction(Effect):
     def friction(self, episodes: Episodes) -> FrictionChange:
         """See Effect."""
         tau_j, tau_m = episodes.truth.tau_j, episodes.memory["tau_m"]
-        added, stiction = np.empty((2, *tau_j.shape))
-        gains = self.gain, self.motor, self.stiction_load, self.stiction_motor, self.quadratic_load
-        _load_friction(tau_j, tau_m, *map(float, gains), float(self.quadratic_motor), added, stiction)
-        return FrictionChange(added=added, stiction=stiction)
-
-
-@jit
-def _load_friction(
-    tau_j, tau_m, gain, motor, stiction_load, stiction_motor, quadratic_load, quadratic_motor, added, own
-):
-    """What is added to Coulomb friction and stiction, and to stiction alone, (n, dof) each."""
-    for i in range(tau_j.shape[0]):
-        for j in range(tau_j.shape[1]):
-            load, drive = tau_j[i, j], tau_m[i, j]
-            added[i, j] = abs(motor * drive + gain * load)
-            own[i, j] = abs(stiction_motor * drive + stiction_load * load)
-            if drive * load > 0.0:
-                own[i, j] += quadratic_load * load**2 if abs(drive) > abs(load) else quadratic_motor * drive**2
+        both = np.abs(self.motor * tau_m + self.gain * tau_j)
+        squared = np.where(
+            np.abs(tau_m) > np.abs(tau_j), self.quadratic_load * tau_j**2, self.quadratic_motor * tau_m**2
+        )
+        stiction = np.abs(self.stiction_motor * tau_m + self.stiction_load * tau_j)
+        return FrictionChange(added=both, stiction=stiction + np.where(tau_m * tau_j > 0.0, squared, 0.0))
