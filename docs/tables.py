@@ -178,9 +178,9 @@ def chaotic() -> str:
     return markdown(Ranking("", ["environment", "variant", "episodes", *(f"chaotic, {name}" for name in sets)], cells))
 
 
-def arm(name: str) -> str:
-    """A table of docs/arm/, as it was measured."""
-    table = _csv(f"docs/arm/{name}.csv")
+def measured(page: str, name: str) -> str:
+    """A table of a page's folder, as it was measured."""
+    table = _csv(f"docs/{page}/{name}.csv")
     cells = [[_cell(value) for value in row] for row in table.itertuples(index=False)]
     return markdown(Ranking("", list(table), cells))
 
@@ -193,7 +193,8 @@ PAGES: dict[str, dict[str, Callable[[], str]]] = {
         "claims": claims,
         "fidelity": fidelity,
     },
-    "docs/arm.md": {name: partial(arm, name) for name in ("verdicts", "randomized", "sensitivity")},
+    "docs/arm.md": {name: partial(measured, "arm", name) for name in ("verdicts", "randomized", "sensitivity")},
+    "docs/baselines.md": {name: partial(measured, "baselines", name) for name in ("drift", "shares", "adaptive")},
     "docs/processors.md": {"tolerances": tolerances, "chaotic": chaotic},
     "docs/friction.md": {"laws": laws},
     "docs/learning.md": {"learned": learned, "outside": outside, "ticks": ticks, "training": training},
