@@ -7,6 +7,7 @@ functions of several files, a user's law among them: it is kept under the conten
 from __future__ import annotations
 
 import hashlib
+import logging
 from collections.abc import Callable, Iterator
 from types import CellType, CodeType, FunctionType, ModuleType
 from typing import Any
@@ -14,6 +15,8 @@ from typing import Any
 from numba import njit
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.dispatcher import Dispatcher
+
+_LOGGER = logging.getLogger("fo_gym")
 
 __all__ = ["compiled", "content", "jit", "kept"]
 
@@ -100,9 +103,9 @@ def _code(code: CodeType) -> Iterator[str]:
 class _ContentCache(FunctionCache):
     """Numba's cache of one function, valid for as long as its content is the same."""
 
-    def __init__(self, function: Any, name: str, stamp: str) -> None:
+    def __init__(self, function: Any, name: str, stamp: str, slow: str) -> None:
         super().__init__(function)  # type: ignore[no-untyped-call]
-        self._stamp = stamp
+        self._stamp, self._slow = stamp, slow
         base = f"{self._impl.filename_base}-{name}"
         # A changed law overwrites what it was: one file per law.
         self._cache_file = IndexDataCacheFile(self.cache_path, base, stamp)  # type: ignore[no-untyped-call]
@@ -110,8 +113,21 @@ class _ContentCache(FunctionCache):
     def _index_key(self, sig: Any, codegen: Any) -> Any:
         return sig, codegen.magic_tuple(), self._stamp
 
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """What was compiled before, or None."""
+        found = super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+        if found is None and self._slow:
+            _LOGGER.warning("compiling %s for this machine, once: some ten seconds", self._slow)
+        return found
 
-def kept(dispatcher: Any, name: str) -> Callable[..., Any]:
-    """The compiled function, kept on disk beside its file under `name`, and compiled anew where its content changed."""
-    dispatcher._cache = _ContentCache(dispatcher.py_func, name, content(dispatcher))
+
+def kept(dispatcher: Any, name: str, slow: str = "") -> Callable[..., Any]:
+    """The compiled function, kept on disk beside its file under `name`, and compiled anew where its content changed.
+
+    Args:
+        dispatcher: of Numba, not compiled yet.
+        name: of its file.
+        slow: what to call it, where it takes so long to compile that people are told.
+    """
+    dispatcher._cache = _ContentCache(dispatcher.py_func, name, content(dispatcher), slow)
     return dispatcher

@@ -23,7 +23,8 @@ def kernel_of(law: FrictionLaw) -> Callable[..., None]:
         done: dict[Any, Any] = {}
         respond, step = compiled(kind.respond, done), compiled(kind.step, done)
         made = kernel.kernel(respond, step, states, max(1, law.memory))  # type: ignore[no-untyped-call]
-        _KERNELS[kind, states] = kept(made, f"{kind.__name__}-{states}-{_place(kind)}")
+        name = f"{kind.__name__}-{states}-{_place(kind)}"
+        _KERNELS[kind, states] = kept(made, name, slow=f"the joint kernel of {kind.__name__}")
     return _KERNELS[kind, states]
 
 
