@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
-from functools import lru_cache
+from concurrent.futures import ThreadPoolExecutor, wait
+from functools import cache
 from itertools import pairwise
 from typing import Any
 
@@ -59,16 +59,23 @@ class Threads:
             work: releases Python's lock while it works, as what Numba compiled with `nogil` does.
             arguments: the same for all.
         """
+        if not self._others:
+            work(*arguments, *self._mine)
+            return
         tasks = [_pool(self.count - 1).submit(work, *arguments, *share) for share in self._others]
-        work(*arguments, *self._mine)
+        try:
+            work(*arguments, *self._mine)
+        finally:
+            wait(tasks)
         for task in tasks:
             task.result()
 
 
-@lru_cache(maxsize=1)
+@cache
 def _pool(helpers: int) -> ThreadPoolExecutor:
-    """The threads beside this one; batches that are stepped in turn share them."""
+    """The threads beside this one; batches with as many of them, which are stepped in turn, share them."""
     return ThreadPoolExecutor(helpers, thread_name_prefix="fo-gym")
 
 
-os.register_at_fork(after_in_child=_pool.cache_clear)  # a forked process has none of its parent's threads
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_pool.cache_clear)  # a forked process has none of its parent's threads

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import importlib
 import os
+import pkgutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
+import fo_gym
 from fo_gym import compiling
 from fo_gym.friction import LuGre
 from fo_gym.plant.kernels import kernel_of
@@ -99,6 +102,21 @@ def test_the_content_of_a_kernel_holds_what_it_is_made_of(monkeypatch: pytest.Mo
     assert compiling.content(outer) == before
     monkeypatch.setitem(globals(), "inner", lambda x: 3.0 * x)
     assert compiling.content(outer) != before
+
+
+def test_whatever_is_kept_is_kept_under_all_that_it_calls() -> None:
+    """What a function calls must stand above it: its content is taken when it is made."""
+    for info in pkgutil.walk_packages(fo_gym.__path__, "fo_gym."):
+        importlib.import_module(info.name)
+    kept = {
+        f"{name}.{each}": thing
+        for name, module in list(sys.modules.items())
+        if name.startswith("fo_gym.")
+        for each, thing in vars(module).items()
+        if isinstance(getattr(thing, "_cache", None), compiling._ContentCache)
+    }
+    assert len(kept) > 10
+    assert [name for name, thing in kept.items() if thing._cache._stamp != compiling.content(thing)] == []
 
 
 def test_laws_of_one_kind_share_a_kernel() -> None:

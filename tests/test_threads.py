@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import multiprocessing
+import time
+from collections.abc import Callable
 from typing import Any
 
 import gymnasium as gym
@@ -94,18 +96,61 @@ def test_an_evaluation_leaves_the_processor_to_its_jobs(monkeypatch: pytest.Monk
     assert counts == [1]
 
 
-def _child(connection: Any) -> None:
-    connection.send(stepped("FJRStiction-v0", "nominal", 2, steps=5)[-1].tobytes())
+FORKS = "fork" in multiprocessing.get_all_start_methods()
+forking = pytest.mark.skipif(not FORKS, reason="this system does not fork processes")
+threaded = pytest.mark.filterwarnings("ignore:.*multi-threaded.*:DeprecationWarning")
 
 
-def test_a_forked_process_has_its_own() -> None:
-    """The threads of its parent are not there."""
-    expected = stepped("FJRStiction-v0", "nominal", 2, steps=5)[-1].tobytes()
+def forked(work: Callable[[], Any]) -> Any:
+    """What a forked process finds."""
     mine, its = multiprocessing.Pipe()
-    process = multiprocessing.get_context("fork").Process(target=_child, args=(its,))
+    process = multiprocessing.get_context("fork").Process(target=lambda: its.send(work()))
     process.start()
     try:
         assert mine.poll(60), "the forked process waits for ever"
-        assert mine.recv() == expected
+        return mine.recv()
     finally:
         process.kill()
+        process.join()
+
+
+@forking
+@threaded
+def test_a_forked_process_has_its_own() -> None:
+    """The threads of its parent are not there."""
+
+    def last() -> bytes:
+        return stepped("FJRStiction-v0", "nominal", 2, steps=5)[-1].tobytes()
+
+    assert forked(last) == last()
+
+
+@forking
+@threaded
+def test_an_environment_of_the_parent_says_that_its_threads_are_gone() -> None:
+    env: Any = gym.make_vec("FJRStiction-v0", num_envs=ENVS, num_threads=2)
+    env.reset(seed=0)
+    env.step(np.zeros((ENVS, 1)))
+
+    def step() -> str:
+        try:
+            env.step(np.zeros((ENVS, 1)))
+        except RuntimeError as error:
+            return str(error)
+        return "it stepped"
+
+    assert "make the environment in this process" in forked(step)
+
+
+def test_nobody_works_on_when_one_fails() -> None:
+    done = []
+
+    def work(first: int, last: int) -> None:
+        if first == 0:
+            raise KeyboardInterrupt
+        time.sleep(0.2)
+        done.append(first)
+
+    with pytest.raises(KeyboardInterrupt):
+        Threads(64, 2).run(work)
+    assert done == [32]

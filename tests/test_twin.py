@@ -70,7 +70,7 @@ def test_inertia_is_the_links_and_the_motors_apart(pendulum: MakeRobot, kind: st
 
 @pytest.mark.parametrize("kind", ELBOWS)
 def test_without_a_scene_it_is_the_same_dynamics(pendulum: MakeRobot, kind: str) -> None:
-    """Masses that are the geoms' too; what is seen, touched or limited is gone."""
+    """Masses that are the geoms' too; what is seen is gone."""
     plant = FlexibleJointPlant(elbowed(pendulum, kind), 1, joints=JOINTS, friction=FRICTION)
     plant.reset(np.array([0]), POSE)
     (whole, its), (lean, own) = plant.to_mujoco(), plant.to_mujoco(scene=False)

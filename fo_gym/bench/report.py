@@ -13,9 +13,9 @@ from fo_gym.evaluation.results.tables import Ranking, markdown
 from fo_gym.files import atomic, csv
 
 EXPLANATION = (
-    "batch and single: our time over the peer's, less is better. threads: how many times faster a batch is on two "
-    "threads than on one; throughput: our steps per second over the peer's; more is better. growth: the power of the "
-    "number of environments with which the time of a batch grows between the two numbers, 1 is linear. Ratios are "
+    "batch and single: our time over the peer's, less is better. threads: how many times faster a batch is on more "
+    "threads (two) than on one; throughput: our steps per second over the peer's; more is better. growth: the power of "
+    "the number of environments with which the time of a batch grows between the two numbers, 1 is linear. Ratios are "
     "medians over rounds in which everybody is timed in turn, with their quartiles; us is microseconds per environment "
     "and control period. Ours is the whole step of the environment, on one thread; the MuJoCo twin is the same plant's "
     "bare physics, wholly in MuJoCo at steps of 100 us, without geoms, contacts and joint limits; MuJoCo forward is "

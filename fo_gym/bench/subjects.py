@@ -180,7 +180,7 @@ def many_beside_peer(
 ) -> Iterator[list[Subject]]:
     """A step of `num_envs` environments in one batch, and of the same randomized episodes as `make_peer` has them."""
     peer, reset = make_peer(env_id, num_envs)
-    with closing(peer), closing(gym.make_vec(env_id, num_envs=num_envs, **_TRAINING)) as envs:
+    with closing(peer), closing(gym.make_vec(env_id, num_envs, num_threads=1, **_TRAINING)) as envs:
         action = _actions(cast(JointVectorEnv, envs.unwrapped).simulation)
         yield [
             Subject(call=partial(envs.step, action), prepare=partial(envs.reset, seed=0)),

@@ -27,7 +27,8 @@ def checked_action(
         raise ValueError(f"action has shape {array.shape}; this environment takes {shape}")
     if ignored is not None and ignored.any():
         array = np.where(ignored[:, None], 0.0, array)
-    array = np.ascontiguousarray(array)  # of which the compiled functions are compiled
+    if not (array.flags.c_contiguous and array.flags.writeable):
+        array = array.copy()  # the compiled functions are compiled for such
     if not _all_finite(array.reshape(-1)):
         place = np.argwhere(~np.isfinite(array))[0]
         raise ValueError(f"action{place.tolist()} is {array[tuple(place)]}; every value must be finite")

@@ -206,7 +206,7 @@ def kernel(respond, step, states, memory):
             for j in range(b - a):
                 q[j] += 0.5 * h * w[j]
                 theta[j] += 0.5 * h * v[j]
-                sums[a + j] /= steps
+                total[j] = total[j] / steps if lower[0, 0, j // dof] > 0.0 else np.nan  # where M was lost
                 for k in range(states):
                     moving[4 + k, a + j] = z[j, k]
 

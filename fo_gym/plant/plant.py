@@ -208,14 +208,16 @@ class FlexibleJointPlant:
         Raises:
             ValueError: a torque has another shape, or does not hold real numbers.
         """
-        tau_m, tau_ext = real("tau_m", tau_m), real("tau_ext", tau_ext)
+        # The kernel is compiled for arrays that lie row by row.
+        tau_m = np.require(real("tau_m", tau_m), requirements=["C", "W"])
+        tau_ext = np.require(real("tau_ext", tau_ext), requirements=["C", "W"])
         for name, torque in (("tau_m", tau_m), ("tau_ext", tau_ext)):
             if torque.shape != self.q.shape:
                 raise ValueError(f"{name} has shape {torque.shape}; this plant needs {self.q.shape}")
         self.advance(tau_m, tau_ext)
 
     def advance(self, tau_m: Array, tau_ext: Array) -> None:
-        """`step` for torques that are known to be arrays of float64 of the right shape."""
+        """`step` for torques that are known to be contiguous arrays of float64 of the right shape."""
         body, steps = self.body, (self.physics_dt, self.steps)
         predict(self._state, self._q_dot_before, self.control_dt, *body.inputs)
         body.forward()
@@ -280,7 +282,7 @@ class FlexibleJointPlant:
             env: which environment.
             timestep: MuJoCo's step [s].
             integrator: "euler", "implicit", "implicitfast" or "rk4".
-            scene: whether with what is seen, contacts and joint limits; without, it is faster.
+            scene: whether with geoms, cameras and lights; without, it is faster.
 
         Raises:
             ValueError: no such environment or integrator, a time step that is not above 0, or a law that MuJoCo lacks.

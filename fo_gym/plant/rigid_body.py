@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any, NamedTuple
 
 import mujoco
@@ -63,7 +64,7 @@ class RigidBody:
 
     def _make_batch(self) -> None:
         self.layout = self.model.M_rownnz, self.model.M_rowadr, self.model.M_colind
-        self._batch = Batch(self.model, self.num_envs, nthread=self.num_threads)
+        self._batch, self._process = Batch(self.model, self.num_envs, nthread=self.num_threads), os.getpid()
         self._qpos = self._batch.bind("qpos")
         self._qvel = self._batch.bind("qvel")
         self._inertia = self._batch.bind("M")
@@ -94,6 +95,14 @@ class RigidBody:
         self.__dict__.update(state)
         self._make_batch()
 
+    def _check_process(self) -> None:
+        """Raise RuntimeError where this process was forked and has none of the threads: it would wait for ever."""
+        if self._process != os.getpid():
+            raise RuntimeError(
+                "this process was forked, and the environment's threads stayed with its parent; make the environment "
+                "in this process, or with num_threads=1"
+            )
+
     def scale_mass(self, scale: Array, ids: Ids = None) -> None:
         """Multiply all masses and inertias of the file by `scale`, (n,), for the named environments.
 
@@ -109,6 +118,8 @@ class RigidBody:
         self._batch.set_const(ids)
 
     def _forward(self, q: Array, q_dot: Array | float, ids: Ids, stage: int = _VELOCITY_STAGE) -> Any:
+        if self.num_threads > 1:
+            self._check_process()
         rows = slice(None) if ids is None else ids
         self._qpos[rows] = q
         self._qvel[rows] = q_dot
@@ -117,6 +128,8 @@ class RigidBody:
 
     def forward(self) -> None:
         """What `dynamics` gives, for all environments at `inputs`, into `outputs`."""
+        if self.num_threads > 1:
+            self._check_process()
         self._batch.forward(None, _VELOCITY_STAGE)
 
     def dynamics(self, q: Array, q_dot: Array, ids: Ids = None) -> tuple[Array, Array]:

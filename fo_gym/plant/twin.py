@@ -53,7 +53,7 @@ def twin_model(
         mass_scale: factor on the masses of the file.
         timestep: MuJoCo's step [s]. Its bristles hold a stuck joint only for steps below sigma_1 / sigma_0.
         integrator: one of INTEGRATORS.
-        scene: whether with what is seen, contacts and joint limits.
+        scene: whether with geoms, cameras and lights.
 
     Raises:
         ValueError: the time step is not above 0, there is no such integrator, or the friction is not LuGre.
@@ -68,26 +68,15 @@ def twin_model(
     for j, name in enumerate(link_side.joints):
         _add_motor(spec, name, j, {field: float(value[j]) for field, value in values.items()})
     if not scene:
-        _strip(spec)
+        for seen in (*spec.geoms, *spec.cameras, *spec.lights):
+            spec.delete(seen)  # masses do not hang on them: every inertia of a link side is explicit
     model = spec.compile()
     model.body_mass[: model.nbody - link_side.dof] *= mass_scale
     model.body_inertia[: model.nbody - link_side.dof] *= mass_scale
     model.opt.timestep = timestep
     model.opt.integrator = INTEGRATORS[integrator]
-    if not scene:
-        model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
     mujoco.mj_setConst(model, mujoco.MjData(model))
     return model
-
-
-def _strip(spec: mujoco.MjSpec) -> None:
-    """Take away what is only seen or touched; bodies keep the masses that they have of it."""
-    whole = spec.compile()
-    for i, body in enumerate(spec.bodies):
-        body.mass, body.ipos, body.iquat = whole.body_mass[i], whole.body_ipos[i], whole.body_iquat[i]
-        body.inertia, body.explicitinertial = whole.body_inertia[i], True
-    for seen in (*spec.geoms, *spec.cameras, *spec.lights):
-        spec.delete(seen)
 
 
 def twin_data(model: mujoco.MjModel, motion: Array, friction: NDArray[Any], time: float) -> mujoco.MjData:

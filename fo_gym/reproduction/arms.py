@@ -88,7 +88,7 @@ def run_arms(
 
 def _begun(task: TaskLike, settings: Settings, seeds: Sequence[int], frictions: Sequence[LuGre]) -> Simulation:
     """The batch at its start; a seed for each arm, and a friction where they are to differ."""
-    simulation = Simulation(ARM, task, len(seeds), settings)
+    simulation = Simulation(ARM, task, len(seeds), settings, num_threads=1)
     everyone, plant = np.arange(len(seeds)), simulation.plant
     simulation.reset(everyone, [np.random.default_rng(seed) for seed in seeds])
     for i, friction in enumerate(frictions):

@@ -51,30 +51,6 @@ def torques(ticks, dt, push_time, push_duration, push_torque, tau_c, action, lim
 
 
 @jit
-def settle(
-    ticks, dt, time, tau_c, tau_j, nominal, acting, tau_f, motor_torque, tick, decimation, past, state, box, where
-):
-    """What is left to do when the joints have moved: nominal motors, means, and the clocks; returns as `_whereabouts`.
-
-    Args:
-        ticks: of each environment, (num_envs,), of which one more is over; in place.
-        dt: control period [s].
-        time: out, of each environment, (num_envs, 1) [s].
-        tau_c, tau_j: control torque and measured torque at the start of the period, (num_envs, dof).
-        nominal: (theta_n, theta_n_dot, motor_inertia), see NominalMotor; the first two in place.
-        acting, tau_f, motor_torque, tick, decimation, past: see `_add_acted`.
-        state, box, where: see `_whereabouts`; the box is (low, high).
-    """
-    everyone = _whereabouts(state, box[0], box[1], where)
-    move_nominal(nominal[0], nominal[1], tau_c, tau_j, nominal[2], dt)
-    _add_acted(acting, tau_f, motor_torque, tick, decimation, where, past)
-    for i in range(len(ticks)):
-        ticks[i] += 1
-        time[i, 0] = ticks[i] * dt
-    return everyone
-
-
-@jit
 def _add_acted(acting, tau_f, motor_torque, tick, ticks, where, past):
     """Add what acted in a control period to the means over a step, all (5, num_envs, dof) [N | N m].
 
@@ -156,6 +132,30 @@ def _whereabouts(state, low, high, where):
                 if not math.isfinite(state[row, i, j]):
                     where[i] = LOST
         everyone = everyone and where[i] == INSIDE
+    return everyone
+
+
+@jit
+def settle(
+    ticks, dt, time, tau_c, tau_j, nominal, acting, tau_f, motor_torque, tick, decimation, past, state, box, where
+):
+    """What is left to do when the joints have moved: nominal motors, means, and the clocks; returns as `_whereabouts`.
+
+    Args:
+        ticks: of each environment, (num_envs,), of which one more is over; in place.
+        dt: control period [s].
+        time: out, of each environment, (num_envs, 1) [s].
+        tau_c, tau_j: control torque and measured torque at the start of the period, (num_envs, dof).
+        nominal: (theta_n, theta_n_dot, motor_inertia), see NominalMotor; the first two in place.
+        acting, tau_f, motor_torque, tick, decimation, past: see `_add_acted`.
+        state, box, where: see `_whereabouts`; the box is (low, high).
+    """
+    everyone = _whereabouts(state, box[0], box[1], where)
+    move_nominal(nominal[0], nominal[1], tau_c, tau_j, nominal[2], dt)
+    _add_acted(acting, tau_f, motor_torque, tick, decimation, where, past)
+    for i in range(len(ticks)):
+        ticks[i] += 1
+        time[i, 0] = ticks[i] * dt
     return everyone
 
 

@@ -160,6 +160,10 @@ class Simulation:
         held = self.hardware_model.begin(ids, *_drawn(scenarios))
         self.nominal_motor.reset(ids, *(reading[ids] for reading in self.memory.readings[:2]))
         self._update_control()
+        signals = self.memory.signals
+        if self.control.theta_d is not signals.theta_d or self.control.reference is not signals.reference:
+            name = type(self.control).__name__
+            raise TypeError(f"{name}.follow replaces theta_d or reference; write into the arrays that are there")
         self.memory.begin(ids, held)
 
     def _configure(self, i: int, scenario: Scenario) -> None:

@@ -45,8 +45,9 @@ def followed_dt(robot: Robot, task: Task, settings: Settings) -> PhysicsDt:
     ranges = replace(task, randomization=task.randomization.fastest)
     fastest = draw_scenario(robot, ranges, settings.variant, np.random.default_rng(0))
     dt, only = settings.control_dt, np.zeros(1, dtype=np.intp)
+    joints, friction = fastest.joints, fastest.friction
     plant = FlexibleJointPlant(
-        robot.link_side, 1, joints=fastest.joints, friction=fastest.friction, control_dt=dt, physics_dt="auto"
+        robot.link_side, 1, joints=joints, friction=friction, control_dt=dt, physics_dt="auto", num_threads=1
     )
-    plant.configure(only, joints=fastest.joints, friction=fastest.friction, mass_scale=fastest.mass_scale)
+    plant.configure(only, joints=joints, friction=friction, mass_scale=fastest.mass_scale)
     return dt / max(plant.steps, auto_steps(plant.advise(only, robot.home[None]), dt))

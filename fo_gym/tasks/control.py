@@ -23,14 +23,17 @@ __all__ = ["PathStatics", "TaskControl", "Ticks", "believed", "joint_distance"]
 class TaskControl:
     """Reference and controller of a batch of episodes; derive from it.
 
+    It remembers nothing between two ticks but what `reset` gave it, since `follow` is asked about other motors, too.
+    What is called a place is written into, and never replaced.
+
     Args:
         num_envs: size of the batch.
         dof: number of joints.
         references: length of the task's reference beside theta_d.
 
     Attributes:
-        theta_d: desired motor position at the ticks of the last `follow`, (num_envs, dof), m or rad.
-        reference: the task's reference beside theta_d, (num_envs, references).
+        theta_d: desired motor position at the ticks of the last `follow`, (num_envs, dof), m or rad; a place.
+        reference: the task's reference beside theta_d, (num_envs, references); a place.
         path: where the tool is to go, (points, 3), m; None where no path of the tool is followed.
         ticks: those of the last `follow`, (num_envs,).
     """
