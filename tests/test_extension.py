@@ -22,6 +22,7 @@ import fo_gym
 from fo_gym.certificate.statement import at_most
 from fo_gym.cli import app
 from fo_gym.evaluation.metrics import METRICS
+from fo_gym.evaluation.runs.store import Store
 from fo_gym.hardware import Effect, Hardware
 from fo_gym.reproduction import claim, run
 from fo_gym.tuning.study import Case, run_study
@@ -156,9 +157,8 @@ def test_learned_compensator(outside: Outside) -> None:
 @case("gains to tune")
 def test_gains(tmp_path: Path, short_episodes: None) -> None:
     spec = f"{ROOT / 'tests' / 'outside' / 'mine.py'}:Mine"
-    outcome = run_study(
-        Case(spec, "FJRStiction-v0", "randomized", trials=2, episodes=1, seed=0, final_episodes=1), tmp_path
-    )
+    case = Case(spec, "FJRStiction-v0", "randomized", trials=2, episodes=1, seed=0, final_episodes=1)
+    outcome = run_study(case, Store(tmp_path, notice=pytest.fail))
     assert outcome.trials["level"].iloc[0] == 1.0
     assert outcome.trials["level"].between(0.2, 5.0).all()
     assert outcome.trials["frr_tuning"].notna().all()

@@ -72,6 +72,7 @@ def test_what_must_hold_on_the_episode_itself() -> None:
     assert rows["hand_passivity_violation_ratio"].to_dict() == {
         "none": 0.0,
         "ideal": 0.0,
+        "bound": 0.0,
         "pd-high": 0.0,
         "kaneko": 1.0,
     }

@@ -40,7 +40,7 @@ class Broken(Mine):
         raise KeyError("broken, and published so")
 """
 ENTRY = 'spec = "mine.py:Mine"\nauthors = ["A. Author"]\nlink = ""\ngains = { L = 70.0 }\n'
-ROWS, RUNS = 28, 14
+ROWS, RUNS = 32, 16
 
 
 class Outcome(NamedTuple):

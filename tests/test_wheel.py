@@ -79,7 +79,7 @@ def test_the_wheel_works_where_there_is_nothing_else(installed: Installed) -> No
     for name in ("none", "ideal", *project["entry-points"]["fo_gym.compensators"]):
         assert f"compensator  {name}\n" in listed
     for name in ("FJRStiction-v0", "FJRRegulation-v0", "FJRSquare-v0"):
-        assert f"environment  {name}\n" in listed
+        assert f"environment  {name} (" in listed
 
     *step, file = installed.run("python", "-c", STEP).split()
     assert step == ["(9,)", "False", "False"]

@@ -111,7 +111,8 @@ def train(plan: Plan, out: Path, *, on_steps: OnSteps | None = None) -> Path:
         _segment(model, plan, segment, _Progress(f"segment {segment + 1} of {plan.segments}", announce))
         trained = time.perf_counter()
         compensator = LearnedCompensator(plan.design, export(model))
-        scores = _validate(plan, compensator)
+        # As the curve keeps them: a run that goes on from it compares the same numbers.
+        scores = {name: float(f"{score:.6g}") for name, score in _validate(plan, compensator).items()}
         row = {"segment": segment + 1, "actions": model.num_timesteps, "reward": float(np.mean(env.rewards)), **scores}
         best = max((earlier["frr_mean"] for earlier in curve), default=-np.inf)
         curve.append(row)
