@@ -16,8 +16,11 @@ VARIABLE = "FO_GYM_NUM_THREADS"
 
 MAX_THREADS = 256
 
-_LEAST = 32
-"""Environments of a thread: to hand out fewer takes longer than to do them."""
+_LEAST_ENVS = 32
+"""Environments of a thread of MuJoCo's: to hand out fewer takes longer than to do them."""
+
+_LEAST_JOINTS = 448
+"""Joints of a thread of ours, likewise: it takes tens of microseconds to wake it."""
 
 __all__ = ["MAX_THREADS", "VARIABLE", "Threads", "number_of_threads"]
 
@@ -41,16 +44,18 @@ class Threads:
 
     Args:
         num_envs: size of the batch.
+        dof: joints of an environment.
         wanted: threads at most; a small batch has fewer.
 
     Attributes:
-        count: threads that there are, this one included.
+        count: threads that MuJoCo has.
+        shares: (first, last) environment of every thread of ours, this one's first.
     """
 
-    def __init__(self, num_envs: int, wanted: int) -> None:
-        self.count = max(1, min(wanted, num_envs // _LEAST))
-        ends = [num_envs * share // self.count for share in range(self.count + 1)]
-        self._mine, *self._others = pairwise(ends)
+    def __init__(self, num_envs: int, dof: int, wanted: int) -> None:
+        self.count = max(1, min(wanted, num_envs // _LEAST_ENVS))
+        ours = max(1, min(self.count, num_envs * dof // _LEAST_JOINTS))
+        self.shares = list(pairwise(num_envs * share // ours for share in range(ours + 1)))
 
     def run(self, work: Callable[..., None], *arguments: Any) -> None:
         """Call `work(*arguments, first, last)` for every thread's share, and wait for all of them.
@@ -59,12 +64,13 @@ class Threads:
             work: releases Python's lock while it works, as what Numba compiled with `nogil` does.
             arguments: the same for all.
         """
-        if not self._others:
-            work(*arguments, *self._mine)
+        mine, *others = self.shares
+        if not others:
+            work(*arguments, *mine)
             return
-        tasks = [_pool(self.count - 1).submit(work, *arguments, *share) for share in self._others]
+        tasks = [_pool(len(others)).submit(work, *arguments, *share) for share in others]
         try:
-            work(*arguments, *self._mine)
+            work(*arguments, *mine)
         finally:
             wait(tasks)
         for task in tasks:

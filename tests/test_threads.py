@@ -15,7 +15,8 @@ import fo_gym
 from fo_gym.evaluation.episode.recorder import record
 from fo_gym.threads import VARIABLE, Threads, number_of_threads
 
-ENVS = 100
+ENVS = 200
+"""More arms than a thread does alone."""
 
 
 def stepped(env_id: str, variant: str, num_threads: int | None, steps: int = 40) -> list[np.ndarray]:
@@ -39,16 +40,19 @@ def test_any_number_gives_the_same_to_the_bit(env_id: str, variant: str) -> None
             assert found.tobytes() == expected.tobytes()
 
 
-@pytest.mark.parametrize(("num_envs", "wanted", "count"), [(1, 8, 1), (63, 8, 1), (64, 8, 2), (256, 2, 2), (999, 1, 1)])
-def test_a_small_batch_has_fewer(num_envs: int, wanted: int, count: int) -> None:
-    threads = Threads(num_envs, wanted)
+@pytest.mark.parametrize(
+    ("num_envs", "dof", "wanted", "count", "shares"),
+    [(1, 7, 8, 1, 1), (63, 7, 8, 1, 1), (128, 7, 8, 4, 2), (256, 7, 2, 2, 2), (256, 1, 2, 2, 1), (999, 7, 1, 1, 1)],
+)
+def test_a_small_batch_has_fewer(num_envs: int, dof: int, wanted: int, count: int, shares: int) -> None:
+    threads = Threads(num_envs, dof, wanted)
     done = np.zeros(num_envs, dtype=int)
 
     def work(step: int, first: int, last: int) -> None:
         done[first:last] += step
 
     threads.run(work, 2)
-    assert threads.count == count
+    assert (threads.count, len(threads.shares)) == (count, shares)
     np.testing.assert_array_equal(done, 2)
 
 
@@ -57,8 +61,8 @@ def test_what_fails_in_a_thread_is_raised() -> None:
         if first > 0:
             raise ZeroDivisionError(f"environments {first} to {last}")
 
-    with pytest.raises(ZeroDivisionError, match="environments 32 to 64"):
-        Threads(64, 2).run(work)
+    with pytest.raises(ZeroDivisionError, match="environments 64 to 128"):
+        Threads(128, 7, 2).run(work)
 
 
 def test_who_is_not_told_asks_the_variable(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -120,7 +124,7 @@ def test_a_forked_process_has_its_own() -> None:
     """The threads of its parent are not there."""
 
     def last() -> bytes:
-        return stepped("FJRStiction-v0", "nominal", 2, steps=5)[-1].tobytes()
+        return stepped("FJRRegulation-v0", "nominal", 2, steps=5)[-1].tobytes()
 
     assert forked(last) == last()
 
@@ -152,5 +156,5 @@ def test_nobody_works_on_when_one_fails() -> None:
         done.append(first)
 
     with pytest.raises(KeyboardInterrupt):
-        Threads(64, 2).run(work)
-    assert done == [32]
+        Threads(128, 7, 2).run(work)
+    assert done == [64]

@@ -36,7 +36,7 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
     ignores the action, resets that environment and returns its first observation with reward 0. With DISABLED whoever
     steps also resets: `reset(options={"reset_mask": mask})` starts new episodes in the masked environments alone.
 
-    `num_threads` share the work, at most one for every 32 environments; what comes out is the same, to the bit, for any
+    `num_threads` share the work, fewer that of a small batch; what comes out is the same, to the bit, for any
     number. None stands for the environment variable FO_GYM_NUM_THREADS, and where that is not set for one.
 
     Raises:

@@ -70,7 +70,7 @@ class FlexibleJointPlant:
         self.dof = link_side.dof
         self.num_envs = whole_number("num_envs", num_envs, 1, MAX_ENVS)
         self.control_dt = control_dt
-        self.threads = Threads(self.num_envs, number_of_threads(num_threads))
+        self.threads = Threads(self.num_envs, self.dof, number_of_threads(num_threads))
         self.body = RigidBody(link_side, num_envs, self.threads.count)
         shape = (num_envs, self.dof)
         self._law = friction
