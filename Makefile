@@ -11,7 +11,7 @@ PYTEST := $(BIN)/python -m pytest -n 2 --dist loadfile
 .PHONY: leaderboard quick reproduce reproduce-quick train tune bench test test-slow test-robots test-all test-portable check
 .PHONY: publish publish-laws publish-pages publish-bench clean help
 
-leaderboard: $(VENV)/.run  ## score everybody, to build/leaderboard (half an hour on two cores)
+leaderboard: $(VENV)/.run  ## score everybody, to build/leaderboard (a quarter of an hour on two cores)
 	$(BIN)/fo-gym leaderboard
 
 quick: $(VENV)/.run  ## the small protocol, to build/quick
