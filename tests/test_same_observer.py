@@ -70,7 +70,7 @@ def scored(env_id: str, variant: str, *strangers: MomentumObserver) -> pd.DataFr
     return pd.concat([ours, *theirs], ignore_index=True)
 
 
-def check(env_id: str, variant: str) -> None:
+def assert_tied(env_id: str, variant: str) -> None:
     table = scored(env_id, variant, MomentumObserver())
     found = standings(table).set_index("compensator")
     assert set(found.index) == {"letien-high", "MomentumObserver"}
@@ -82,14 +82,14 @@ def check(env_id: str, variant: str) -> None:
 
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_a_stranger_is_tied_on_the_single_link(variant: str) -> None:
-    check(STICTION, variant)
+    assert_tied(STICTION, variant)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("variant", VARIANTS)
 @pytest.mark.parametrize("env_id", [env_id for env_id in ENVIRONMENTS if env_id != STICTION])
 def test_a_stranger_is_tied_on_the_arm(env_id: str, variant: str) -> None:
-    check(env_id, variant)
+    assert_tied(env_id, variant)
 
 
 def test_another_observer_is_not_tied() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import gymnasium as gym
@@ -136,14 +137,15 @@ def test_an_environment_of_the_parent_says_that_its_threads_are_gone() -> None:
     env.reset(seed=0)
     env.step(np.zeros((ENVS, 1)))
 
-    def step() -> str:
+    def refused(call: Callable[[], object]) -> str:
         try:
-            env.step(np.zeros((ENVS, 1)))
+            call()
         except RuntimeError as error:
             return str(error)
-        return "it stepped"
+        return "it went on"
 
-    assert "make the environment in this process" in forked(step)
+    for call in (lambda: env.step(np.zeros((ENVS, 1))), lambda: env.reset(seed=0)):
+        assert "make the environment in this process" in forked(partial(refused, call))
 
 
 def test_nobody_works_on_when_one_fails() -> None:

@@ -97,7 +97,7 @@ class RigidBody:
 
     def _check_process(self) -> None:
         """Raise RuntimeError where this process was forked and has none of the threads: it would wait for ever."""
-        if self._process != os.getpid():
+        if self.num_threads > 1 and self._process != os.getpid():
             raise RuntimeError(
                 "this process was forked, and the environment's threads stayed with its parent; make the environment "
                 "in this process, or with num_threads=1"
@@ -111,6 +111,7 @@ class RigidBody:
         """
         if not np.all(np.isfinite(scale) & (np.asarray(scale) > 0)):
             raise ValueError(f"mass scale is {scale}; it must be finite and above 0")
+        self._check_process()
         rows = slice(None) if ids is None else ids
         self.mass_scale[rows] = scale
         self._mass[rows] = self.model.body_mass * self.mass_scale[rows, None]
@@ -118,8 +119,7 @@ class RigidBody:
         self._batch.set_const(ids)
 
     def _forward(self, q: Array, q_dot: Array | float, ids: Ids, stage: int = _VELOCITY_STAGE) -> Any:
-        if self.num_threads > 1:
-            self._check_process()
+        self._check_process()
         rows = slice(None) if ids is None else ids
         self._qpos[rows] = q
         self._qvel[rows] = q_dot
@@ -128,8 +128,7 @@ class RigidBody:
 
     def forward(self) -> None:
         """What `dynamics` gives, for all environments at `inputs`, into `outputs`."""
-        if self.num_threads > 1:
-            self._check_process()
+        self._check_process()
         self._batch.forward(None, _VELOCITY_STAGE)
 
     def dynamics(self, q: Array, q_dot: Array, ids: Ids = None) -> tuple[Array, Array]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import Any
 
@@ -20,7 +21,7 @@ Ticks = NDArray[np.int64]
 __all__ = ["PathStatics", "TaskControl", "Ticks", "believed", "joint_distance"]
 
 
-class TaskControl:
+class TaskControl(ABC):
     """Reference and controller of a batch of episodes; derive from it.
 
     It remembers nothing between two ticks but what `reset` gave it, since `follow` is asked about other motors, too.
@@ -43,10 +44,11 @@ class TaskControl:
         self.path: Array | None = None
         self.ticks: Ticks = np.zeros(num_envs, dtype=np.int64)
 
+    @abstractmethod
     def reset(self, ids: Ids, scenarios: Sequence[Scenario]) -> None:
         """Take the scenarios of new episodes; the plant has its new parameters already."""
-        raise NotImplementedError
 
+    @abstractmethod
     def follow(self, ticks: Ticks, theta: Array, theta_dot: Array, tau_c: Array) -> None:
         """Move theta_d and reference to these control ticks, and write the torque that follows them.
 
@@ -55,7 +57,6 @@ class TaskControl:
             theta, theta_dot: measured or nominal motor, (num_envs, dof), m and m/s | rad and rad/s.
             tau_c: out, control torque, (num_envs, dof), N or N m.
         """
-        raise NotImplementedError
 
     def torque(self, theta: Array, theta_dot: Array) -> Array:
         """Control torque at the ticks of the last `follow` for other motors than those, (num_envs, dof), N or N m."""
@@ -63,6 +64,7 @@ class TaskControl:
         self.follow(self.ticks, theta, theta_dot, tau_c)
         return tau_c
 
+    @abstractmethod
     def distance(self, plant: FlexibleJointPlant, scale: Any) -> Array:
         """How far the plant is from the reference, (num_envs,), in units of `scale`.
 
@@ -70,11 +72,10 @@ class TaskControl:
             plant: the joints as they truly are.
             scale: of every joint [m | rad], (dof,); of the tool [m], a number, where it is what follows.
         """
-        raise NotImplementedError
 
+    @abstractmethod
     def desired_links(self, i: int) -> Array | None:
         """Where the links of environment i should be now, (dof,), m or rad; None where the tool's path says it."""
-        raise NotImplementedError
 
 
 def believed(scenarios: Sequence[Scenario]) -> tuple[Array, Array]:

@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.checks import FINITE, NOT_NEGATIVE, POSITIVE, Value, check_numbers, check_values
-from fo_gym.compiling import jit
 from fo_gym.control.design import designed_pd
-from fo_gym.control.motor_pd import MotorPD, pd_torque
+from fo_gym.control.motor_pd import MotorPD
 from fo_gym.parameters import PDGains, check_joints
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.plant.rigid_body import RigidBody
@@ -138,10 +137,10 @@ class JointPathControl(TaskControl):
 
     def follow(self, ticks: Ticks, theta: Array, theta_dot: Array, tau_c: Array) -> None:
         """See TaskControl."""
-        self.ticks, law, statics = ticks, self._law, self._statics
+        self.ticks, statics = ticks, self._statics
         statics.update(ticks, self.theta_d)
-        reference = statics.row, self._velocity, self.theta_d, statics.gravity
-        _follow(*reference, theta, theta_dot, law.kp, law.kd, tau_c)
+        rate = theta_dot - self._velocity[statics.row]
+        tau_c[:] = self._law.torque(theta, rate, self.theta_d, statics.gravity)
 
     def distance(self, plant: FlexibleJointPlant, scale: Any) -> Array:
         """See TaskControl."""
@@ -151,12 +150,3 @@ class JointPathControl(TaskControl):
         """See TaskControl."""
         links: Array = self._q_d[self._statics.row[i]]
         return links
-
-
-@jit
-def _follow(row, velocity, theta_d, gravity, theta, theta_dot, kp, kd, tau_c):
-    num_envs, dof = tau_c.shape
-    for i in range(num_envs):
-        for j in range(dof):
-            rate = theta_dot[i, j] - velocity[row[i], j]
-            tau_c[i, j] = pd_torque(theta[i, j], rate, theta_d[i, j], gravity[i, j], kp[j], kd[j])
