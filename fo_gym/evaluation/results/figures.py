@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 import pandas as pd
 from matplotlib.artist import Artist
@@ -16,14 +15,13 @@ from numpy.typing import NDArray
 
 from fo_gym.evaluation.competitors.competitor import BASELINE, SUBMISSION, YOURS
 from fo_gym.evaluation.results.leaderboard import leaderboard
-from fo_gym.evaluation.results.style import BLUE, ORANGE, VERMILLION, label
+from fo_gym.evaluation.results.style import BLUE, ORANGE, VERMILLION, label, save_figure
 from fo_gym.evaluation.results.tables import marked
 from fo_gym.evaluation.results.ties import RELEVANT
 from fo_gym.evaluation.results.trace_figure import trace_figure
 from fo_gym.evaluation.runs.contest import Results
 from fo_gym.evaluation.runs.episodes import SET, label_of, place_of
 from fo_gym.evaluation.runs.provenance import is_reference
-from fo_gym.files import draft_of
 from fo_gym.tasks.variants import NOMINAL
 
 Array = NDArray[np.float64]
@@ -152,11 +150,4 @@ def figures(results: Results, folder: Path, table: pd.DataFrame | None = None) -
     for place in dict.fromkeys(place_of(trace.env, trace.robot) for trace in nominal):
         there = [trace for trace in nominal if place_of(trace.env, trace.robot) == place]
         drawn[place.replace(" ", "-")] = trace_figure(there, origins)
-    paths = []
-    with mpl.rc_context({"savefig.dpi": 110}):
-        for name, figure in drawn.items():
-            path = folder / f"{name}.png"
-            with draft_of(path) as draft:
-                figure.savefig(draft, metadata={"Software": None})
-            paths.append(path)
-    return paths
+    return [path for name, figure in drawn.items() for path in save_figure(figure, folder / name)]

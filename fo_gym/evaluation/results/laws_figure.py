@@ -9,9 +9,8 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from fo_gym.evaluation.results.laws import over_laws
-from fo_gym.evaluation.results.style import label
+from fo_gym.evaluation.results.style import label, save_figure
 from fo_gym.evaluation.runs.protocol import Protocol
-from fo_gym.files import draft_of
 from fo_gym.specs import BUILT_IN
 
 _WIDTH, _ROW = 4.2, 0.24
@@ -46,8 +45,5 @@ def laws_figure(protocol: Protocol, table: pd.DataFrame, folder: Path) -> Path:
         axis.set_yticks(range(len(order)), [label(str(name)) for name in order], size=7)
         axis.set_title(label(place, 60), fontsize="small")
     figure.suptitle("friction rejection ratio under each law", fontsize="medium")
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / "laws.png"
-    with draft_of(path) as draft:
-        figure.savefig(draft, format="png", dpi=120, metadata={"Software": ""})
+    (path,) = save_figure(figure, folder / "laws")
     return path
