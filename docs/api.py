@@ -101,7 +101,10 @@ def page() -> str:
     told = [HEAD.strip(), "# Environments", *environments(), "# Classes and functions"]
     for name in fo_gym.__all__:
         thing = getattr(fo_gym, name)
-        if inspect.isclass(thing) or inspect.isfunction(thing):
+        if inspect.ismodule(thing):
+            told += [f"## {name}", markdown(thing.__doc__ or "")]
+            told += [part for each in thing.__all__ for part in entries(f"{name}.{each}", getattr(thing, each), "###")]
+        elif inspect.isclass(thing) or inspect.isfunction(thing):
             told += entries(name, thing)
     return "\n\n".join(told) + "\n"
 

@@ -54,7 +54,7 @@ def test_cells_are_what_each_is_alone(spec: str, x: Any, y: Any) -> None:
 
 
 def test_friction_is_that_of_the_cell() -> None:
-    table = map_table(plan_of("pid-low", ("f_s/f_c", [1.0, 2.0]), ("v_s", [0.01, 0.1])), Processes(1))
+    table = map_table(plan_of("pid-low", ("f_s/f_c", [1.5, 2.0]), ("v_s", [0.01, 0.1])), Processes(1))
     for place, row in table.iterrows():
         friction = replace(LUGRE, f_s=row["f_s/f_c"] * LUGRE.f_c, v_s=row["v_s"])
         alone = fo_gym.evaluate("pid-low", STICTION, friction=friction, **SHORT)

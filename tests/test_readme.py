@@ -78,6 +78,7 @@ def test_every_file_that_the_pages_name_exists() -> None:
         "docs/robots.md",
         "envs_assets/README.md",
         "docs/security.md",
+        "docs/maps.md",
     ):
         text = (ROOT / page).read_text(encoding="utf-8")
         named = re.findall(r"\]\(([^)#:]+)\)", text) + re.findall(

@@ -6,10 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
 
 from fo_gym.evaluation.results.laws import over_laws
-from fo_gym.evaluation.results.style import label, save_figure
+from fo_gym.evaluation.results.style import figure_of, label, save_figure
 from fo_gym.evaluation.runs.protocol import Protocol
 from fo_gym.specs import BUILT_IN
 
@@ -29,7 +28,7 @@ def laws_figure(protocol: Protocol, table: pd.DataFrame, folder: Path) -> Path:
     panels = list(over_laws(protocol, table))
     rows = max(len(next(iter(by_law.values()))) for _, by_law in panels)
     size = (_WIDTH * len(panels), 1.4 + _ROW * rows)
-    figure = Figure(figsize=size, layout="constrained")
+    figure = figure_of(*size)
     for axis, (place, by_law) in zip(figure.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
         first = next(iter(by_law.values()))
         order = [name for name in first.sort_values("frr", ascending=False).index if name not in BUILT_IN]

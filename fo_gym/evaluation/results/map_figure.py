@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from fo_gym.evaluation.metrics import METRICS
 from fo_gym.evaluation.metrics.hunting import HUNTING
 from fo_gym.evaluation.metrics.registry import HEADLINE
-from fo_gym.evaluation.results.style import VERMILLION, label
+from fo_gym.evaluation.results.style import VERMILLION, figure_of, label
 from fo_gym.evaluation.runs.episodes import FAILED, place_of
 
 Array = NDArray[np.float64]
@@ -72,7 +72,7 @@ def map_figure(table: pd.DataFrame, x: str, y: str, metric: str, marks: Marks = 
         metric: column of the metric.
         marks: what is marked.
     """
-    figure = Figure(figsize=_SIZE, layout="constrained")
+    figure = figure_of(*_SIZE)
     axis = figure.subplots()
     grid = table.pivot(index=y, columns=x, values=metric)
     unit = str(table["joint_unit"].max())

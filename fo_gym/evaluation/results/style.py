@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -15,6 +16,9 @@ BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 BLUE, VERMILLION, PURPLE = "#0072B2", "#D55E00", "#CC79A7"
 """Colours of Okabe and Ito, told apart by colour-blind readers (without their yellow, which is pale on white)."""
 
+PAGE = 7.2
+"""Width of a figure over a page [in]."""
+
 _LIMIT = 32
 _DPI = 150
 # No dates and no versions: the same figure is the same file.
@@ -23,7 +27,33 @@ _METADATA: dict[str, dict[str, None]] = {
     "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
 }
 
-__all__ = ["BLACK", "BLUE", "GREEN", "ORANGE", "PURPLE", "SKY", "VERMILLION", "label", "save_figure"]
+__all__ = [
+    "BLACK",
+    "BLUE",
+    "GREEN",
+    "ORANGE",
+    "PAGE",
+    "PURPLE",
+    "SKY",
+    "VERMILLION",
+    "figure_of",
+    "label",
+    "save_figure",
+]
+
+
+class _Figure(Figure):
+    """A figure that notebooks show where it is the value of a cell."""
+
+    def _repr_png_(self) -> bytes:
+        content = io.BytesIO()
+        self.savefig(content, format="png", dpi=_DPI)
+        return content.getvalue()
+
+
+def figure_of(width: float, height: float) -> Figure:
+    """An empty figure of this size [in], laid out so that nothing is cut or covered."""
+    return _Figure(figsize=(width, height), layout="constrained")
 
 
 def label(text: str, limit: int = _LIMIT) -> str:
