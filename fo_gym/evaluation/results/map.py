@@ -128,8 +128,7 @@ def map_table(plan: Map, backend: Backend, store: Store | None = None, on_run: O
     """The rows of all cells, in the order of the grid, with a column for each of both parameters.
 
     Cells that are refused, or that fail, have the status "failed", the reason in `error`, and no scores. Limit cycles
-    are looked for from the start of the task's window for them, or the middle of an episode that ends before that
-    window does, to the end of the episode.
+    are looked for in the last half of the episode, and where the task's window for them lies in it not before that.
 
     Args:
         plan: what is mapped.

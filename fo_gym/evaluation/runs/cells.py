@@ -86,11 +86,12 @@ def changed_law(law: FrictionLaw, values: Mapping[str, float]) -> FrictionLaw:
 
 
 def _window(task: Task) -> tuple[float, float] | None:
-    """Where limit cycles are looked for: from where the task says, or the middle of a shorter episode, to the end."""
+    """Where limit cycles are looked for: in the last half of the episode, not before the task's window."""
     window = task.limit_cycle_window
     if window is None:
         return None
-    return (window[0] if window[1] <= task.duration else task.duration / 2.0), task.duration
+    start = window[0] if window[1] <= task.duration else 0.0
+    return max(start, task.duration / 2.0), task.duration
 
 
 @contextmanager
