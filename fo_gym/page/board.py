@@ -1,4 +1,4 @@
-"""What the page tells, out of the published tables: one ranking per environment, robot and variant, ready to be drawn."""
+"""What the page tells, out of the published tables: a ranking per environment, robot and variant, ready to be drawn."""
 
 from __future__ import annotations
 
@@ -16,14 +16,16 @@ from fo_gym.evaluation.results.tables import MARKS, frr_everywhere, second_headl
 from fo_gym.evaluation.runs.episodes import OK, SET, place_of
 from fo_gym.evaluation.runs.provenance import is_reference
 from fo_gym.page.who import Who
-from fo_gym.text import MESSAGE_LIMIT, NAME_LIMIT, one_line
+from fo_gym.text import MESSAGE_LIMIT, one_line
 
 _SPAN = (-1.0, 4.0)
 """What the axis of 1 - FRR may show at most, as digits: from 10 to 0.0001."""
-_IN_NUMBERS = {"limit_cycle_period_s", "estimate_lag_ms"}
+_IN_NUMBERS = {"limit_cycle_period_s", "estimate_lag_ms", "passivity_violation_ratio"}
 """Columns for which the table of the page has no room; its comparison of all numbers has them."""
+_TICKS = 4
+"""Decades that are labelled, at most; of more every other one is."""
 
-__all__ = ["Cell", "Overview", "Ranking", "Row", "digits", "key_of", "overview", "rankings", "slug"]
+__all__ = ["Cell", "Overview", "Ranking", "Row", "digits", "key_of", "overview", "rankings", "shown_columns", "slug"]
 
 
 @dataclass(frozen=True)
@@ -113,6 +115,11 @@ class Overview:
     rows: tuple[tuple[Who, str, bool, tuple[tuple[Cell, int], ...]], ...]
 
 
+def shown_columns(rows: pd.DataFrame) -> list[tuple[str, str, float]]:
+    """The second headlines that the page has room for beside FRR, as `second_headlines` gives them."""
+    return [entry for entry in second_headlines(rows) if entry[0] not in _IN_NUMBERS]
+
+
 def slug(text: str) -> str:
     """A text as part of an address."""
     return re.sub(r"[^\w.+-]+", "-", text).strip("-")
@@ -135,9 +142,10 @@ def rankings(table: pd.DataFrame, who: Mapping[str, Who]) -> Iterator[Ranking]:
         table: rows as `leaderboard` gives them, read from there.
         who: everybody by name.
     """
-    limits = _limits(table)
-    for (env, robot, variant), rows in table.groupby(SET, sort=False):
-        shown = [entry for entry in second_headlines(rows) if entry[0] not in _IN_NUMBERS]
+    for key, rows in table.groupby(SET, sort=False):
+        env, robot, variant = (str(part) for part in key)
+        limits = _limits(rows)
+        shown = shown_columns(rows)
         ordered = rows.assign(reference=is_reference(rows)).sort_values(
             ["reference", "rank"], kind="stable", na_position="last"
         )
@@ -163,7 +171,8 @@ def overview(table: pd.DataFrame, who: Mapping[str, Who]) -> Overview:
     for name, values in zip(map(str, frr.index), frr.to_numpy(), strict=True):
         cells = tuple((_left(value), _shade(1.0 - value)) for value in values)
         rows.append((who[name], MARKS.get(origins[name], ""), origins[name] == YOURS, cells))
-    return Overview(tuple(key_of(*each) for each in frr), tuple(rows))
+    keys = (key_of(str(env), str(robot), str(variant)) for env, robot, variant in frr)
+    return Overview(tuple(keys), tuple(rows))
 
 
 def _shade(left: float) -> int:
@@ -171,7 +180,7 @@ def _shade(left: float) -> int:
 
 
 def _limits(table: pd.DataFrame) -> tuple[float, float]:
-    """The part of the axis that holds every ranked row, but no more than `_SPAN`; the same for all rankings."""
+    """The part of the axis that holds every ranked row, but no more than `_SPAN`."""
     places = [digits(1.0 - frr) for frr in table.loc[~is_reference(table), "frr"].dropna()]
     low, high = np.clip([min(places, default=0.0), max(places, default=1.0)], *_SPAN)
     return float(np.floor(low)), max(float(np.ceil(high)), float(np.floor(low)) + 1.0)
@@ -184,6 +193,7 @@ def _percent(left: float, limits: tuple[float, float]) -> float:
 
 def _ticks(limits: tuple[float, float]) -> tuple[tuple[str, float], ...]:
     decades = range(int(limits[0]), int(limits[1]) + 1)
+    decades = decades if len(decades) <= _TICKS else decades[::2]
     return tuple((f"{10.0**-decade:g}", _percent(10.0**-decade, limits)) for decade in decades)
 
 
@@ -221,8 +231,3 @@ def _row(row: pd.Series[Any], shown: Sequence[tuple[str, str, float]], limits: t
         outside="worse" if place < limits[0] else "better" if place > limits[1] else "",
         cells=tuple(_cell(column, row[column], factor) for column, _, factor in shown),
     )
-
-
-def title_of(name: str) -> str:
-    """A name as the page shows it."""
-    return one_line(name, NAME_LIMIT)

@@ -15,7 +15,7 @@ from fo_gym.evaluation.runs.store import Store
 from fo_gym.files import csv, read_csv
 from fo_gym.page.board import key_of
 from fo_gym.page.maps import FOLDER, maps_in
-from fo_gym.page.recording import everybodys, single_episodes, telling_seeds
+from fo_gym.page.recording import SetKey, everybodys, single_episodes, telling_seeds
 from fo_gym.page.site import Content, write_site
 from fo_gym.page.statements import statements_in
 from fo_gym.page.summary import TRACED, summarized, worst_seeds
@@ -23,7 +23,7 @@ from fo_gym.page.who import everybody
 
 _TABLES = ("leaderboard.csv", "episodes.csv", "timing.csv", "paper/claims.csv", "fidelity.csv")
 
-__all__ = ["Plan", "page_of", "plan_of", "report_of"]
+__all__ = ["Plan", "page_of", "plan_of", "report_of", "report_plan"]
 
 
 @dataclass(frozen=True)
@@ -31,12 +31,10 @@ class Plan:
     """A page that is about to be built.
 
     Attributes:
-        folder: of the published results.
         contests: whole sets of episodes with everybody in them.
         traced: the episodes that have to be recorded, one each.
     """
 
-    folder: Path
     contests: Sequence[Contest]
     traced: Sequence[Contest]
 
@@ -59,19 +57,28 @@ def plan_of(folder: Path, submissions: Sequence[Competitor] = (), protocol: str 
     """
     rows = published(folder)
     if not (folder / "leaderboard.csv").is_file():
-        raise ValueError(f"there is no {folder / 'leaderboard.csv'}; write one with `fo-gym leaderboard --out {folder}`")
+        raise ValueError(
+            f"there is no {folder / 'leaderboard.csv'}; write one with `fo-gym leaderboard --out {folder}`"
+        )
     contests = contests_of(rows, submissions, protocol)
     seeds = telling_seeds(read_csv((folder / "episodes.csv").read_text(encoding="utf-8")))
-    return Plan(folder, contests, single_episodes(contests, seeds))
+    return Plan(contests, single_episodes(contests, seeds))
 
 
 def page_of(
-    plan: Plan, out: Path, *, backend: Backend, store: Store, on_run: Callable[[str], None] | None = None
+    plan: Plan,
+    folder: Path,
+    out: Path,
+    *,
+    backend: Backend,
+    store: Store,
+    on_run: Callable[[str], None] | None = None,
 ) -> Path:
     """Record what is missing and write the page.
 
     Args:
-        plan: what is shown.
+        plan: of the page.
+        folder: of the published results.
         out: the folder of the page.
         backend: who records.
         store: where recorded runs are kept and looked for.
@@ -81,10 +88,9 @@ def page_of(
         The page.
 
     Raises:
-        MissingPackage: a chart library is not at hand.
+        MissingPackageError: a chart library is not at hand.
         ValueError: a map cannot be read, or the folder holds what no page left there.
     """
-    folder = plan.folder
     maps = maps_in(folder / FOLDER)
     tables = [*_TABLES, *(f"{FOLDER}/{each.name}.csv" for each in maps)]
     content = Content(
@@ -99,44 +105,57 @@ def page_of(
     return write_site(content, out)
 
 
-def report_of(results: Results, contest: Contest, out: Path, *, backend: Backend, store: Store) -> Path:
-    """Write the page of one competitor beside others: the first one of a contest that has been run.
+def report_plan(results: Results, contest: Contest) -> Plan:
+    """What a report needs: the worst episodes of the first one of a contest that has been run, with everybody in them.
 
     Args:
         results: what came of the contest.
         contest: one set of episodes, and who met it.
-        out: the folder of the page.
-        backend: who records the worst episodes again, with everybody in them.
-        store: where recorded runs are kept and looked for.
+    """
+    own = results.episodes[results.episodes["compensator"] == contest.competitors[0].name]
+    seeds = {_where(contest): worst_seeds(own)[:TRACED]}
+    return Plan([contest], single_episodes([contest], seeds))
+
+
+def report_of(
+    plan: Plan,
+    results: Results,
+    out: Path,
+    *,
+    backend: Backend,
+    store: Store,
+    on_run: Callable[[str], None] | None = None,
+) -> Path:
+    """Write the page of one competitor beside others.
+
+    Args:
+        plan: of the report.
+        results: what came of its contest.
+        out, backend, store, on_run: as for `page_of`, with its errors.
 
     Returns:
         The page.
-
-    Raises:
-        MissingPackage: a chart library is not at hand.
-        ValueError: the folder holds what no page left there.
     """
-    episodes, name = contest.episodes, contest.competitors[0].name
-    own = results.episodes[results.episodes["compensator"] == name]
-    where = (episodes.env_id, episodes.robot.name, episodes.variant)
-    traces = everybodys(single_episodes([contest], {where: worst_seeds(own)[:TRACED]}), backend, store)
+    (contest,) = plan.contests
+    name = contest.competitors[0].name
     files = {"leaderboard.csv": csv(leaderboard(results.episodes)), "episodes.csv": csv(results.episodes)}
     table = read_csv(files["leaderboard.csv"])
+    traces = everybodys(plan.traced, backend, store, on_run)
+    own = [trace for trace in traces if trace.compensator == name]
     content = Content(
         table=table,
         who=everybody(contest.competitors),
         gains=_gains([contest]),
         traces=traces,
-        summary=summarized(
-            name,
-            results.episodes,
-            table,
-            [trace for trace in traces if trace.compensator == name],
-            key_of(*where),
-        ),
+        summary=summarized(name, results.episodes, table, own, key_of(*_where(contest))),
         files={file: text.encode() for file, text in files.items()},
     )
     return write_site(content, out)
+
+
+def _where(contest: Contest) -> SetKey:
+    episodes = contest.episodes
+    return episodes.env_id, episodes.robot.name, episodes.variant
 
 
 def _once(contests: Iterable[Contest]) -> list[Competitor]:
@@ -151,6 +170,8 @@ def _gains(contests: Iterable[Contest]) -> dict[tuple[str, str, str, str], str]:
         episodes = contest.episodes
         for each in contest.competitors:
             gains = each.gains_on(episodes.env_id, episodes.variant)
-            told = ", ".join(f"{key}={value:.4g}" if isinstance(value, float) else f"{key}={value}" for key, value in gains.items())
+            told = ", ".join(
+                f"{key}={value:.4g}" if isinstance(value, float) else f"{key}={value}" for key, value in gains.items()
+            )
             found[episodes.env_id, episodes.robot.name, episodes.variant, each.name] = told
     return found

@@ -78,8 +78,8 @@ def trace_script(key: str, trace: Trace) -> str:
     if "tool" in signals:
         plane = np.sort(np.argsort(np.ptp(signals["tool_d"], axis=0), kind="stable")[1:])
         told["axes"] = "".join("xyz"[axis] for axis in plane)
-        told["tool"] = _columns(signals["tool"][:, plane])
-        told["tool_target"] = _columns(signals["tool_d"][:, plane])
+        for name, signal in (("tool", "tool"), ("tool_ideal", "tool_ideal"), ("tool_target", "tool_d")):
+            told[name] = _columns(signals[signal][:, plane])
         told["away"] = packed(np.linalg.norm(signals["tool"] - signals["tool_ideal"], axis=1))
     return script("fg.trace", key, told)
 

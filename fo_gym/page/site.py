@@ -27,7 +27,6 @@ from fo_gym.page.stories import stories
 from fo_gym.page.summary import Summary
 from fo_gym.page.vendor import plotly, uplot
 from fo_gym.page.who import REFERENCE_FAMILY, Who
-from fo_gym.specs import BUILT_IN
 from fo_gym.text import NAME_LIMIT, one_line
 
 _STATIC = Path(str(files("fo_gym.page") / "static"))
@@ -72,7 +71,7 @@ def write_site(content: Content, out: Path) -> Path:
         The page.
 
     Raises:
-        MissingPackage: a chart library is not at hand.
+        MissingPackageError: a chart library is not at hand.
         ValueError: the folder holds what no page left there.
     """
     vendored = {f"vendor/{name}": data for name, data in uplot().items()}
@@ -197,8 +196,10 @@ def _data(content: Content, shown: Sequence[Ranking]) -> dict[str, str]:
 
 
 def _first(ranking: Ranking) -> list[str]:
-    """Whose traces are shown before anybody is chosen: no compensation, and the best."""
-    return ["none", *(row.who.name for row in ranking.rows[:1] if row.who.name not in BUILT_IN)]
+    """Whose traces are shown before anybody is chosen: the best beside the reader's own, or beside no compensation."""
+    best = [row.who.name for row in ranking.rows if row.standing == "best"]
+    own = [row.who.name for row in ranking.rows if row.own]
+    return list(dict.fromkeys([*best[:1], *own[:1]] if own else ["none", *best[:1]]))
 
 
 def _numbers(content: Content, shown: Sequence[Ranking]) -> dict[str, Any]:
@@ -216,7 +217,9 @@ def _numbers(content: Content, shown: Sequence[Ranking]) -> dict[str, Any]:
         key = keys[env, robot, variant]
         rows[key][name] = list(line)
         gains[key][name] = content.gains.get((env, robot, variant, name), "")
-    told = [name for name in columns if name in METRICS or name.startswith(("frr", "rank", "tied", "verdict", "episodes"))]
+    told = [
+        name for name in columns if name in METRICS or name.startswith(("frr", "rank", "tied", "verdict", "episodes"))
+    ]
     return {
         "columns": columns,
         "told": [*told, "status", "error", "competitor_hash"],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -45,7 +46,7 @@ class _Table:
     def __call__(self, env: str, variant: str, name: str, column: str) -> float:
         """A number. Raises KeyError where there is no such row, or none of these."""
         value = float(self._rows.at[(env, environment_of(env).robot_name, variant, name), column])  # type: ignore[arg-type]
-        if value != value:
+        if math.isnan(value):
             raise KeyError(column)
         return value
 
@@ -56,10 +57,10 @@ def _why_pid_hunts(number: _Table) -> Story:
     return Story(
         "pid-low",
         "Why does PID-low oscillate?",
-        "Its integrator does not stop while the joint sticks. The estimate (dashed) climbs on until it breaks the joint "
-        "free; the joint hops past the target, for friction falls as soon as it slides, and sticks on the other side. "
-        f"Then all of it begins again the other way round: {size:.2f} mm from peak to peak, every {period:.1f} s, for "
-        "ever. It is called hunting, or a limit cycle.",
+        "Its integrator does not stop while the joint sticks. The estimate (dashed) climbs on until it breaks the "
+        "joint free; the joint hops past the target, for friction falls as soon as it slides, and sticks on the other "
+        f"side. Then all of it begins again the other way round: {size:.2f} mm from peak to peak, every {period:.1f} s, "
+        "for ever. It is called hunting, or a limit cycle.",
         key_of(_LINK, environment_of(_LINK).robot_name, "nominal"),
         ("pid-low",),
         (0.0, 20.0),
@@ -71,8 +72,8 @@ def _why_pd_stops_short(number: _Table) -> Story:
     return Story(
         "pd-low",
         "Why does PD-low stop off the target?",
-        f"Without an integrator nothing climbs: the joint comes to rest {rest:.2f} mm off the target, where friction holds "
-        "what is left of the control torque, and stays there. It does not hunt. Its error shrinks as gains grow.",
+        f"Without an integrator nothing climbs: the joint comes to rest {rest:.2f} mm off the target, where friction "
+        "holds what is left of the control torque, and stays there. It does not hunt. Its error shrinks as gains grow.",
         key_of(_LINK, environment_of(_LINK).robot_name, "nominal"),
         ("pd-low", "pid-low"),
         (0.0, 20.0),
@@ -85,9 +86,9 @@ def _what_gains_buy(number: _Table) -> Story:
     return Story(
         "pid-high",
         "Do higher gains cure it?",
-        f"On the ideal joint, yes: with twice the bandwidth the PID-type creeps to within {rest:.1f} um of the target and "
-        f"rests. With a real robot's sensors, delays and model errors (variant hardware) it hunts in {high:.0f} % of the "
-        f"episodes, PID-low in {low:.0f} %.",
+        f"On the ideal joint, yes: with twice the bandwidth the PID-type creeps to within {rest:.1f} um of the target "
+        f"and rests. With a real robot's sensors, delays and model errors (variant hardware) it hunts in {high:.0f} % of "
+        f"the episodes, PID-low in {low:.0f} %.",
         key_of(_LINK, environment_of(_LINK).robot_name, "hardware"),
         ("pid-low", "pid-high"),
         (0.0, 20.0),
@@ -99,8 +100,8 @@ def _what_it_means_for_a_tool(number: _Table) -> Story:
     return Story(
         "square",
         "What does it mean for a tool?",
-        f"An arm under soft impedance draws a square of 15 cm. Without friction it would miss the contour by {ideal:.1f} mm "
-        f"(RMS); with friction and no compensation it misses it by {none:.1f} mm, with PID-high by {good:.1f} mm. "
+        "An arm under soft impedance draws a square of 15 cm. Without friction it would miss the contour by "
+        f"{ideal:.1f} mm (RMS); with friction and no compensation by {none:.1f} mm, with PID-high by {good:.1f} mm. "
         "Friction bites hardest at the corners, where joints turn round.",
         key_of(_SQUARE, environment_of(_SQUARE).robot_name, "nominal"),
         ("none", "pid-high"),

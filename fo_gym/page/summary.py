@@ -11,9 +11,9 @@ import pandas as pd
 
 from fo_gym.evaluation.episode.trace import Trace
 from fo_gym.evaluation.metrics import METRICS
-from fo_gym.evaluation.results.tables import second_headlines
 from fo_gym.evaluation.runs.episodes import label_of
 from fo_gym.evaluation.runs.provenance import is_reference
+from fo_gym.page.board import shown_columns
 from fo_gym.page.motion import look_at
 from fo_gym.text import NAME_LIMIT, one_line
 
@@ -95,17 +95,19 @@ def _headline(row: pd.Series[Any], count: int) -> str:
         return f"It has no score: {one_line(str(row['error']))}."
     share = f"{100.0 * row['frr']:.3g} %"
     range_ = f", 95 % interval {row['frr_ci_low']:.4g} to {row['frr_ci_high']:.4g}" if row["episodes"] > 1 else ""
-    harm = "It does harm: friction's effect on the motion grows" if row["frr"] < 0.0 else f"It takes away {share} of it"
+    harm = "It does harm: what friction does to the motion grows" if row["frr"] < 0.0 else f"It undoes {share} of that"
     rank = "" if pd.isna(row["rank"]) else f" Rank {row['rank']:.0f} of {count}."
     return (
-        f"Friction keeps a joint from moving as it should. {harm} (FRR {row['frr']:.4g}{range_}; "
+        f"Friction keeps joints from moving as they should. {harm} (FRR {row['frr']:.4g}{range_}; "
         f"{row['episodes']:.0f} episode{'s' if row['episodes'] > 1 else ''}).{rank}"
     )
 
 
 def _standing(row: pd.Series[Any], rivals: pd.DataFrame) -> tuple[list[str], list[str], list[str]]:
     """Whom it beats, whom it is tied with, and who beats it."""
-    beaten, tied, ahead = list[str](), list[str](), list[str]()
+    beaten: list[str] = []
+    tied: list[str] = []
+    ahead: list[str] = []
     for _, other in rivals.iterrows():
         if pd.isna(row["rank"]) or pd.isna(other["rank"]):
             continue
@@ -124,7 +126,7 @@ def _letters(row: pd.Series[Any]) -> set[str]:
 def _second_headlines(row: pd.Series[Any], rivals: pd.DataFrame) -> Iterator[tuple[bool, str]]:
     """Where it is best, and where worst, of all in a second headline; whether that is a win."""
     everybody = pd.concat([rivals, row.to_frame().T])
-    for column, heading, factor in second_headlines(everybody):
+    for column, heading, factor in shown_columns(everybody):
         values = rivals[column].dropna().astype(float)
         if pd.isna(row[column]) or not len(values) or column not in METRICS:
             continue
@@ -141,9 +143,8 @@ def _second_headlines(row: pd.Series[Any], rivals: pd.DataFrame) -> Iterator[tup
 
 def _lines(rows: pd.DataFrame, traces: Sequence[Trace], unit: str) -> Iterator[EpisodeLine]:
     seen = {trace.seed: look_at(trace) for trace in traces}
-    by_seed = rows.set_index("seed")
     for seed in worst_seeds(rows):
-        row, finding = by_seed.loc[seed], seen.get(seed)
+        row, finding = rows[rows["seed"] == seed].iloc[0], seen.get(seed)
         words = [f"FRR {row['frr']:.3f}" if not pd.isna(row["frr"]) else "no score"]
         if row["error"]:
             words.append(one_line(f"{row['status']}: {row['error']}"))

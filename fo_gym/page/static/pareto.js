@@ -3,7 +3,8 @@
 (() => {
   const PRICES = [["torque_roughness_ratio", "torque roughness, of the limit"], ["control_effort_ratio", "control effort, of the limit"],
     ["hunting_ratio", "hunting, share of episodes"], ["steady_state_error_ju", "steady-state error, m or rad"]];
-  const [WIDTH, HEIGHT, MARGIN] = [560, 420, { left: 62, right: 14, top: 14, bottom: 48 }];
+  const [HEIGHT, MARGIN] = [420, { left: 62, right: 14, top: 14, bottom: 48 }];
+  let WIDTH = 560;
   const box = document.getElementById("pareto-chart");
   const price = document.getElementById("price");
   price.append(...PRICES.map(([key, text]) => fg.make("option", { value: key }, text)));
@@ -42,6 +43,7 @@
       box.replaceChildren(fg.make("p", { class: "hint" }, "There is nothing to compare here."));
       return;
     }
+    WIDTH = Math.max(box.clientWidth, 280);
     const across = axis(points.map((p) => p.x), MARGIN.left, WIDTH - MARGIN.right);
     const up = axis(points.map((p) => p.y), MARGIN.top, HEIGHT - MARGIN.bottom);
     const drawing = fg.make("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, class: "pareto", role: "group", "aria-label": `1 - FRR over ${price.selectedOptions[0].text}` });
@@ -52,7 +54,7 @@
       fg.make("text", { x: 0, y: 0, class: "axis-name", "text-anchor": "middle", transform: `translate(14 ${(HEIGHT - MARGIN.bottom) / 2}) rotate(-90)` }, "1 - FRR, left of friction"));
     const best = front(points).sort((a, b) => a.x - b.x);
     drawing.append(fg.make("path", { class: "front", d: best.map((p, i) => `${i ? "L" : "M"}${across.place(p.x).toFixed(1)} ${up.place(p.y).toFixed(1)}`).join("") }));
-    const taken = [];
+    const taken = points.map((p) => [across.place(p.x) - 6, up.place(p.y) - 6, across.place(p.x) + 6, up.place(p.y) + 6]);
     const order = [...points].sort((a, b) => weight(b) - weight(a));
     const labels = [];
     for (const p of order) {
@@ -81,7 +83,8 @@
 
   /* Room for a label beside a point, which nothing else takes; null where there is none. */
   function free(u, v, width, taken) {
-    for (const [x, y] of [[u + 10, v + 4], [u - 10 - width, v + 4], [u - width / 2, v - 11], [u - width / 2, v + 19], [u + 8, v - 10], [u + 8, v + 18]]) {
+    for (const [x, y] of [[u + 11, v + 4], [u - 11 - width, v + 4], [u - width / 2, v - 12], [u - width / 2, v + 20], [u + 9, v - 11], [u + 9, v + 19],
+      [u - width - 9, v - 11], [u - width - 9, v + 19]]) {
       const spot = [x - 2, y - 11, x + width + 2, y + 4];
       const inside = spot[0] > MARGIN.left && spot[2] < WIDTH && spot[1] > 0 && spot[3] < HEIGHT - MARGIN.bottom;
       if (inside && !taken.some((t) => spot[0] < t[2] && t[0] < spot[2] && spot[1] < t[3] && t[1] < spot[3])) {
@@ -91,6 +94,12 @@
     }
     return null;
   }
+
+  let width = 0;
+  new ResizeObserver(() => {
+    if (box.clientWidth && width && box.clientWidth !== width) draw();
+    width = box.clientWidth;
+  }).observe(box);
 
   fg.listen((changed) => {
     if (fg.state.view === "pareto" && fg.state.set && ["set", "view", "show", "family", "search", "price"].some((key) => changed.has(key))) draw();

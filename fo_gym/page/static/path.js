@@ -1,4 +1,4 @@
-/* The tool's path in its plane, with what it misses magnified, and the time that the charts show brought out. */
+/* The tool's path in its plane, with what friction does to it magnified, and the time that the charts show brought out. */
 "use strict";
 fg.path = (axes, all, colors) => {
   const SIZE = 360;
@@ -26,6 +26,7 @@ fg.path = (axes, all, colors) => {
   const drawing = fg.make("svg", { viewBox: `0 0 ${SIZE} ${SIZE}`, class: "path", role: "img",
     "aria-label": `Path of the tool of ${all.map((s) => s.name).join(", ")}` });
   drawing.append(fg.make("path", { d: line(pairs(all[0].tool_target)), class: "target" }));
+  drawing.append(fg.make("path", { d: line(pairs(all[0].tool_ideal)), class: "ideal" }));
   const layers = all.map((s, n) => {
     const faint = fg.make("path", { class: "faint", style: `stroke: var(--c${colors[n]})` });
     const bright = fg.make("path", { class: "bright", style: `stroke: var(--c${colors[n]})`, "data-name": s.name });
@@ -39,7 +40,7 @@ fg.path = (axes, all, colors) => {
   let shown = [-Infinity, Infinity];
   let factor = 1;
   const off = (s) => pairs(s.tool).map(([x, y], i) => {
-    const [a, b] = [s.tool_target[0][i], s.tool_target[1][i]];
+    const [a, b] = [s.tool_ideal[0][i], s.tool_ideal[1][i]];
     return x === null || a === null ? [null, null] : [a + factor * (x - a), b + factor * (y - b)];
   });
   function draw() {
@@ -52,8 +53,8 @@ fg.path = (axes, all, colors) => {
   const select = fg.make("select", { id: "magnified", onchange: (event) => { factor = Number(event.target.value); draw(); } },
     ...[1, 5, 20].map((each) => fg.make("option", { value: each }, `× ${each}`)));
   const figure = fg.make("figure", { class: "chart", "data-chart": "path" },
-    fg.make("figcaption", {}, fg.make("span", {}, `Path of the tool `, fg.make("small", {}, `${axes[0]} and ${axes[1]}, dashed: where it should be`)),
-      fg.make("span", { class: "field" }, fg.make("label", { for: "magnified" }, "What it misses"), select)),
+    fg.make("figcaption", {}, fg.make("span", {}, `Path of the tool `, fg.make("small", {}, `${axes[0]} and ${axes[1]}; dashed: target, dotted: friction-free`)),
+      fg.make("span", { class: "field" }, fg.make("label", { for: "magnified" }, "Distance from it"), select)),
     drawing);
   draw();
   return { element: figure, span(from, to) { shown = [from, to]; draw(); } };

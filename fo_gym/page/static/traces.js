@@ -6,7 +6,7 @@
   const episode = document.getElementById("episode");
   const joint = document.getElementById("joint");
   const MILLI = 1e3;
-  const HEIGHT = 190;
+  const HEIGHT = 170;
   let drawn = { plots: [], traces: [], path: null };
   let turn = 0;
 
@@ -39,8 +39,7 @@
       theta: scaled(theta, target[0]), ideal: scaled(minus(theta, error), target[0]), target: scaled(target, target[0]),
       error: scaled(error), tau_f: column("tau_f"), tau_f_hat: column("tau_f_hat"),
       away: trace.away ? scaled(unpacked(trace.away, trace.ticks.length)) : null,
-      tool: trace.tool?.map((each) => scaled(unpacked(each, trace.ticks.length))),
-      tool_target: trace.tool_target?.map((each) => scaled(unpacked(each, trace.ticks.length))),
+      ...Object.fromEntries(["tool", "tool_ideal", "tool_target"].map((name) => [name, trace[name]?.map((each) => scaled(unpacked(each, trace.ticks.length)))])),
     };
   }
 
@@ -50,7 +49,7 @@
     const torque = unit === "m" ? "N" : "N m";
     const which = joint.options.length > 1 ? `, joint ${at + 1}` : "";
     const motion = {
-      id: "motion", title: `Motion${which}`, unit: `m${unit}`, key: [["target", "5 4"], ["friction-free", "2 3"]],
+      id: "motion", title: `Motion, from the first target${which}`, unit: `m${unit}`, key: [["target", "5 4"], ["friction-free", "2 3"]],
       shared: (s) => [["target", s.target, { stroke: fg.color("ink"), width: 1, dash: [5, 4] }], ["friction-free", s.ideal, { stroke: fg.color("quiet"), width: 1.6, dash: [2, 3] }]],
       each: (s, n) => [["theta", s.theta, own(n)]],
     };
@@ -90,7 +89,7 @@
     const plot = new uPlot({
       width: charts.clientWidth, height: HEIGHT, series, legend: { show: false },
       scales: { x: { time: false } },
-      axes: [{ ...axis, values: (_, values) => values.map((value) => `${+value.toFixed(3)} s`) }, { ...axis, size: 56 }],
+      axes: [{ ...axis, size: 30, values: (_, values) => values.map((value) => `${+value.toFixed(3)} s`) }, { ...axis, size: 56 }],
       cursor: { sync: { key: "time" }, drag: { x: true, y: false }, points: { show: false } },
       hooks: { setScale: [(u, scale) => { if (scale === "x") follow(u); }] },
     }, tables.length === 1 ? tables[0] : uPlot.join(tables), box);
