@@ -8,7 +8,7 @@ BIN := $(VENV)/bin
 test test-slow test-robots test-portable publish-pages: export MUJOCO_GL ?= egl
 PYTEST := $(BIN)/python -m pytest -n 2 --dist loadfile
 
-.PHONY: leaderboard quick reproduce reproduce-quick train tune bench test test-slow test-robots test-all test-portable check
+.PHONY: leaderboard quick reproduce reproduce-quick train tune bench page test test-slow test-robots test-all test-portable check
 .PHONY: publish publish-laws publish-pages publish-bench clean help
 
 leaderboard: $(VENV)/.run  ## score everybody, to build/leaderboard (a quarter of an hour on two cores)
@@ -34,6 +34,9 @@ TUNED_ON := --env FJRStiction-v0 --env FJRRegulation-v0 --env FJRSquare-v0
 
 tune: $(VENV)/.tune  ## tune all classical rows for the leaderboard, to build/tuning/ (hours; goes on after a kill)
 	for row in $(TUNED); do $(BIN)/fo-gym tune $$row $(TUNED_ON) || exit 1; done
+
+page: $(VENV)/.page  ## the published leaderboard as a page to look at, to leaderboard/site (minutes; at once after that)
+	$(BIN)/fo-gym page
 
 bench: $(VENV)/.rl  ## measure the speed of the environments beside their peers, to build/bench (minutes; close other programs)
 	$(BIN)/fo-gym bench --out build/bench
@@ -107,9 +110,14 @@ $(VENV)/.tune: $(VENV)/.run
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[tune]'
 	touch $@
 
+$(VENV)/.page: $(VENV)/.run
+	@echo "installing what pages are made of into $(VENV)"
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[page]'
+	touch $@
+
 $(VENV)/.dev: $(VENV)/.reproduce
 	@echo "installing what the tests need into $(VENV)"
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev,ray,reproduce,rl,tune]'
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev,page,ray,reproduce,rl,tune]'
 	touch $@
 
 clean:  ## remove the virtual environment and everything built

@@ -58,9 +58,10 @@ def check_command(command: str) -> None:
         assert command.startswith(".venv/bin/python -m pip install "), command
 
 
-def test_there_are_three_workflows() -> None:
-    assert [path.stem for path in WORKFLOWS] == ["leaderboard", "robots", "test"]
+def test_there_are_four_workflows() -> None:
+    assert [path.stem for path in WORKFLOWS] == ["leaderboard", "page", "robots", "test"]
     wanted = {
+        "page": {"make page"},
         "robots": {"make test-robots"},
         "leaderboard": {"make leaderboard", "make quick", ".venv/bin/fo-gym verify"},
         "test": {"make check", "make test", "make test-portable"},

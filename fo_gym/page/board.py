@@ -171,8 +171,7 @@ def overview(table: pd.DataFrame, who: Mapping[str, Who]) -> Overview:
     for name, values in zip(map(str, frr.index), frr.to_numpy(), strict=True):
         cells = tuple((_left(value), _shade(1.0 - value)) for value in values)
         rows.append((who[name], MARKS.get(origins[name], ""), origins[name] == YOURS, cells))
-    keys = (key_of(str(env), str(robot), str(variant)) for env, robot, variant in frr)
-    return Overview(tuple(keys), tuple(rows))
+    return Overview(tuple(key_of(*each) for each in frr.columns.to_list()), tuple(rows))
 
 
 def _shade(left: float) -> int:

@@ -10,6 +10,7 @@ from importlib.resources import files
 from itertools import groupby
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import jinja2
 import pandas as pd
@@ -109,7 +110,7 @@ def _html(content: Content, shown: Sequence[Ranking]) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"shown": lambda name: one_line(name, NAME_LIMIT), "slug": slug}
+    environment.filters |= {"shown": _shown, "slug": slug, "listed": _listed}
     told = _places(shown)
     ranked = content.table[~is_reference(content.table)]
     return environment.get_template("page.html").render(
@@ -132,6 +133,15 @@ def _html(content: Content, shown: Sequence[Ranking]) -> str:
         files=list(content.files),
         scripts=[*_SCRIPTS, *(["maps.js"] if content.maps else []), "start.js"],
     )
+
+
+def _shown(name: str) -> str:
+    return one_line(name, NAME_LIMIT)
+
+
+def _listed(names: Iterable[str]) -> str:
+    """Names as an address has them: each on its own, with commas between, and all together once more."""
+    return quote(",".join(quote(name, safe="") for name in names), safe=",")
 
 
 def _places(shown: Iterable[Ranking]) -> list[str]:

@@ -59,8 +59,8 @@ def _why_pid_hunts(number: _Table) -> Story:
         "Why does PID-low oscillate?",
         "Its integrator does not stop while the joint sticks. The estimate (dashed) climbs on until it breaks the "
         "joint free; the joint hops past the target, for friction falls as soon as it slides, and sticks on the other "
-        f"side. Then all of it begins again the other way round: {size:.2f} mm from peak to peak, every {period:.1f} s, "
-        "for ever. It is called hunting, or a limit cycle.",
+        f"side. Then all of it begins again the other way round: {size:.2f} mm from peak to peak, every {period:.1f} "
+        "s, for ever. It is called hunting, or a limit cycle.",
         key_of(_LINK, environment_of(_LINK).robot_name, "nominal"),
         ("pid-low",),
         (0.0, 20.0),
@@ -87,8 +87,8 @@ def _what_gains_buy(number: _Table) -> Story:
         "pid-high",
         "Do higher gains cure it?",
         f"On the ideal joint, yes: with twice the bandwidth the PID-type creeps to within {rest:.1f} um of the target "
-        f"and rests. With a real robot's sensors, delays and model errors (variant hardware) it hunts in {high:.0f} % of "
-        f"the episodes, PID-low in {low:.0f} %.",
+        f"and rests. With a real robot's sensors, delays and model errors (variant hardware) it hunts in {high:.0f} % "
+        f"of the episodes, PID-low in {low:.0f} %.",
         key_of(_LINK, environment_of(_LINK).robot_name, "hardware"),
         ("pid-low", "pid-high"),
         (0.0, 20.0),

@@ -42,7 +42,7 @@ class Summary:
         wins, losses: a sentence for each.
         episodes: worst first.
         ranking: key of the ranking.
-        shown: whose traces are shown at first, as the address has it.
+        shown: whose traces are shown: the best of the others beside it.
     """
 
     title: str
@@ -51,7 +51,7 @@ class Summary:
     losses: tuple[str, ...]
     episodes: tuple[EpisodeLine, ...]
     ranking: str
-    shown: str
+    shown: tuple[str, ...]
 
 
 def worst_seeds(rows: pd.DataFrame) -> list[int]:
@@ -86,7 +86,7 @@ def summarized(name: str, episodes: pd.DataFrame, table: pd.DataFrame, traces: S
         losses=tuple(losses),
         episodes=tuple(_lines(episodes[episodes["compensator"] == name], traces, str(row["joint_unit"]))),
         ranking=key,
-        shown=",".join([*map(str, others[:1]), name]),
+        shown=(*map(str, others[:1]), name),
     )
 
 

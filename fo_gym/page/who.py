@@ -49,7 +49,7 @@ def _who(competitor: Competitor) -> Who:
         return Who(competitor.name, REFERENCE_FAMILY, _ABOUT[competitor.name], "")
     about = _about(competitor)
     if competitor.authors and not is_ours(competitor.spec):
-        about = f"By {', '.join(competitor.authors)}."
+        about = f"By {', '.join(competitor.authors).removesuffix('.')}."
     return Who(competitor.name, _family(competitor.spec), about, competitor.link)
 
 

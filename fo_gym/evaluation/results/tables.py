@@ -233,7 +233,7 @@ def summary(table: pd.DataFrame) -> Ranking:
     """
     frr = frr_everywhere(table)
     who = table.drop_duplicates("compensator").assign(reference=is_reference).set_index("compensator").loc[frr.index]
-    headings = ["compensator", *(label_of(env, robot, variant) for env, robot, variant in frr)]
+    headings = ["compensator", *(label_of(*each) for each in frr.columns.to_list())]
     names = [
         marked(str(name), origin) + (" (reference)" if reference else "")
         for name, origin, reference in who[["origin", "reference"]].itertuples(name=None)

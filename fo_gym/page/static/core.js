@@ -2,7 +2,8 @@
 "use strict";
 const fg = (() => {
   const MOST = 4;
-  const DEFAULTS = { set: "", show: "", view: "traces", sort: "", family: "", search: "", seed: "", joint: "", t: "",
+  const FIRST = "*"; // whoever is shown before anybody is chosen
+  const DEFAULTS = { set: "", show: FIRST, view: "traces", sort: "", family: "", search: "", seed: "", joint: "", t: "",
     price: "", story: "" };
   const state = { ...DEFAULTS };
   const listeners = [];
@@ -22,26 +23,29 @@ const fg = (() => {
   }
 
   /* Change the state, and tell everybody what changed. */
-  function change(news, { quietly = false } = {}) {
+  function change(news) {
     const before = { ...state };
     Object.assign(state, news);
     const changed = new Set(Object.keys(state).filter((key) => state[key] !== before[key]));
     if (!changed.size) return;
     history.replaceState(null, "", address());
-    if (!quietly) tell(changed);
+    tell(changed);
   }
 
   function tell(changed) {
     for (const listener of listeners) listener(changed);
   }
 
-  const shown = () => (state.show ? state.show.split(",").map(decodeURIComponent).slice(-MOST) : []);
-  const showing = (names) => names.slice(-MOST).map((name) => encodeURIComponent(name)).join(",");
+  function shown() {
+    if (state.show === FIRST) return index.first[state.set] ?? [];
+    return state.show ? state.show.split(",").map(decodeURIComponent).slice(-MOST) : [];
+  }
 
   /* Show a competitor's traces, or no longer; of too many the first goes. */
   function toggle(name) {
     const names = shown();
-    change({ show: showing(names.includes(name) ? names.filter((each) => each !== name) : [...names, name]), story: "" });
+    const next = names.includes(name) ? names.filter((each) => each !== name) : [...names, name];
+    change({ show: next.slice(-MOST).map(encodeURIComponent).join(","), story: "" });
   }
 
   /* Run a script of the folder once. Scripts, since a page that is opened from a folder may load nothing else. */
@@ -89,7 +93,7 @@ const fg = (() => {
   const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 
   return {
-    state, change, toggle, shown, showing, load, make, save, color, numbers, trace_of: trace, MOST,
+    state, change, toggle, shown, load, make, save, color, numbers, trace_of: trace,
     get index() { return index; },
     listen(listener) { listeners.push(listener); },
     /* Called by the scripts in data/. */

@@ -21,7 +21,7 @@
       seen.unobserve(target);
       draw(target);
     }
-  }, { rootMargin: "200px" });
+  });
   figures.forEach((figure) => seen.observe(figure));
   document.addEventListener("themed", () => figures.filter((figure) => figure.dataset.drawn).forEach(draw));
 })();

@@ -71,7 +71,6 @@
       sections.forEach((each) => { each.hidden = each !== section; });
       document.getElementById("board").classList.toggle("wide", !fg.state.set);
     }
-    if (fg.state.set && !fg.state.show) fg.change({ show: fg.showing(fg.index.first[fg.state.set]) }, { quietly: true });
     fill();
     if (fg.state.set && (changed.has("set") || changed.has("sort"))) sort(section);
     filter(section);
