@@ -22,7 +22,7 @@ _SPAN = (-1.0, 4.0)
 """What the axis of 1 - FRR may show at most, as digits: from 10 to 0.0001."""
 _IN_NUMBERS = {"limit_cycle_period_s", "estimate_lag_ms", "passivity_violation_ratio"}
 """Columns for which the table of the page has no room; its comparison of all numbers has them."""
-_TICKS = 4
+_TICKS = 3
 """Decades that are labelled, at most; of more every other one is."""
 
 __all__ = ["Cell", "Overview", "Ranking", "Row", "digits", "key_of", "overview", "rankings", "shown_columns", "slug"]
