@@ -6,6 +6,7 @@ import re
 import shutil
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
+from importlib import import_module
 from importlib.resources import files
 from itertools import groupby
 from pathlib import Path
@@ -31,6 +32,8 @@ from fo_gym.page.who import REFERENCE_FAMILY, Who
 from fo_gym.text import NAME_LIMIT, one_line
 
 _STATIC = Path(str(files("fo_gym.page") / "static"))
+_PARTS = ("data", "files", "vendor")
+"""Folders of a page, which the next one replaces."""
 _SCRIPTS = ("vendor/uplot.js", "core.js", "data/index.js", "table.js", "panel.js", "path.js", "traces.js", "pareto.js")
 
 __all__ = ["Content", "write_site"]
@@ -89,9 +92,6 @@ def write_site(content: Content, out: Path) -> Path:
     page = out / "index.html"
     atomic(page, _html(content, shown))
     return page
-
-
-_PARTS = ("data", "files", "vendor")
 
 
 def _clear(out: Path) -> None:
@@ -166,12 +166,12 @@ def _about(env_id: str) -> str:
     if environment.task is not None:
         return ""
     module, _, name = environment.entry_point.partition(":")
-    kind = getattr(__import__(module, fromlist=[name]), f"{name}Env")
+    kind = getattr(import_module(module), f"{name}Env")
     return re.sub(r"\s+", " ", (kind.__doc__ or "").strip().partition("\n\n")[0])
 
 
 def _provenance(table: pd.DataFrame) -> list[tuple[str, str]]:
-    """Of every column of provenance that is the same in many rows, what it says."""
+    """Which protocol, processors and versions the rows name."""
     told = []
     for column in (name for name in map(str, table) if is_provenance(name)):
         values = sorted({str(value) for value in table[column] if not pd.isna(value) and str(value)})
