@@ -126,8 +126,8 @@ class ToolPathControl(TaskControl):
         links = robot.link_side
         self.table = _cached_table(links, links.stamp, path, home, plant.control_dt, robot.redundant)
         held = [robot.joints.index(name) for name in robot.redundant]
-        self._law = Impedance(gains, plant.body, held, oriented=tool_rows(robot.dof) == 6)
-        self._statics = PathStatics(plant, self.table.q_d, self.table.gravity)
+        self._law = Impedance(gains, plant.body.links, held, oriented=tool_rows(robot.dof) == 6)
+        self._statics = PathStatics(plant, self.table.q_d)
         self.path = self.table.position
 
     def reset(self, ids: Ids, scenarios: Sequence[Scenario]) -> None:
@@ -144,7 +144,7 @@ class ToolPathControl(TaskControl):
 
     def distance(self, plant: FlexibleJointPlant, scale: Any) -> Array:
         """See TaskControl."""
-        error = plant.body.tool_position(plant.q) - self.reference
+        error = plant.body.links.tool_position(plant.q) - self.reference
         return np.sqrt(np.add.reduce(error * error, axis=1)) / scale
 
     def desired_links(self, i: int) -> None:
