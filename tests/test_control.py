@@ -110,7 +110,9 @@ class Cases:
         theta = self.theta[rows]
         law = Impedance(gains, Links(ROBOT), [ELBOW])
         setpoint = TaskSetpoint(position[rows], velocity[rows], *constant)
-        return law.torque(theta, self.theta_dot[rows], self.stiffness[rows], np.ones(len(theta)), setpoint)
+        tau_c = np.empty(theta.shape)
+        law.torque(theta, self.theta_dot[rows], self.stiffness[rows], np.ones(len(theta)), setpoint, tau_c)
+        return tau_c
 
 
 def test_statics_of_the_impedance(plain):
@@ -147,7 +149,8 @@ def test_impedance_of_the_position_alone_holds_four_joints(plain):
     angles = np.array([0.5, 0.1, -0.2, 0.3])
     law = Impedance(replace(GAINS, kp_elbow=kp, kd_elbow=kd), Links(ROBOT), held, oriented=False)
     setpoint = cases.setpoint._replace(held=angles)
-    found = law.torque(cases.theta, cases.theta_dot, cases.stiffness, np.ones(len(cases.theta)), setpoint)
+    found = np.empty(cases.theta.shape)
+    law.torque(cases.theta, cases.theta_dot, cases.stiffness, np.ones(len(cases.theta)), setpoint, found)
     for i, (theta, theta_dot) in enumerate(zip(cases.theta, cases.theta_dot, strict=True)):
         position, _, jacobian = plain.tool(theta)
         rate = jacobian[:3] @ theta_dot - setpoint.velocity[i]

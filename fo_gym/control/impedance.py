@@ -62,19 +62,21 @@ class Impedance:
         self._elbow = np.empty((len(redundant), 2))
         self._elbow[:, 0], self._elbow[:, 1] = gains.kp_elbow, gains.kd_elbow
 
-    def torque(self, theta: Array, theta_dot: Array, stiffness: Array, mass: Array, setpoint: TaskSetpoint) -> Array:
-        """Control torque tau_c, (num_envs, dof), N m.
+    def torque(
+        self, theta: Array, theta_dot: Array, stiffness: Array, mass: Array, setpoint: TaskSetpoint, tau_c: Array
+    ) -> None:
+        """Write the control torque.
 
         Args:
             theta, theta_dot: measured or nominal motor, (num_envs, dof), rad and rad/s.
             stiffness: K_j as the controller knows it, (num_envs, dof), N m/rad.
             mass: factor on the masses of the robot's file, as the controller knows it, (num_envs,).
             setpoint: desired motion of the tool.
+            tau_c: out, (num_envs, dof), N m.
         """
-        tau_c, links = np.empty(theta.shape), self.links
+        links = self.links
         known = links.joints, links.world, links.reference, stiffness, mass
         _torques(*known, theta, theta_dot, *setpoint, self.redundant, self._tool, self._elbow, tau_c)
-        return tau_c
 
 
 @jit

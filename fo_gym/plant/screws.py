@@ -29,6 +29,7 @@ __all__ = [
     "motion_room",
     "place",
     "tool_column",
+    "tool_distances",
     "tool_frame",
     "tool_poses",
     "tool_positions",
@@ -179,6 +180,20 @@ def tool_positions(joints, world, reference, q, position):
     for i in range(n):
         place(joints, reference, q[i], room)
         tool_frame(joints, world, room, position[i], rotation)
+
+
+@jit
+def tool_distances(joints, world, reference, q, point, distance):
+    """`Links.tool_distance` into distance (n,)."""
+    n, dof = q.shape
+    room, position, rotation = motion_room(dof), np.empty(3), np.empty((3, 3))
+    for i in range(n):
+        place(joints, reference, q[i], room)
+        tool_frame(joints, world, room, position, rotation)
+        squares = 0.0
+        for a in range(3):
+            squares += (position[a] - point[i, a]) ** 2
+        distance[i] = math.sqrt(squares)
 
 
 @jit

@@ -138,14 +138,13 @@ class ToolPathControl(TaskControl):
         """See TaskControl."""
         self.ticks, table, statics = ticks, self.table, self._statics
         statics.update(ticks, self.theta_d)
-        np.take(table.position, statics.row, axis=0, out=self.reference)
-        setpoint = TaskSetpoint(self.reference, table.velocity[statics.row], table.rotation, table.held)
-        tau_c[:] = self._law.torque(theta, theta_dot, statics.stiffness, statics.mass, setpoint)
+        table.position.take(statics.row, 0, self.reference, "clip")  # no row is out of range; "raise" would copy twice
+        setpoint = TaskSetpoint(self.reference, table.velocity.take(statics.row, 0), table.rotation, table.held)
+        self._law.torque(theta, theta_dot, statics.stiffness, statics.mass, setpoint, tau_c)
 
     def distance(self, plant: FlexibleJointPlant, scale: Any) -> Array:
         """See TaskControl."""
-        error = plant.body.links.tool_position(plant.q) - self.reference
-        return np.sqrt(np.add.reduce(error * error, axis=1)) / scale
+        return plant.body.links.tool_distance(plant.q, self.reference) / scale
 
     def desired_links(self, i: int) -> None:
         """See TaskControl."""
