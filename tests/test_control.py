@@ -111,7 +111,9 @@ class Cases:
         law = Impedance(gains, Links(ROBOT), [ELBOW])
         setpoint = TaskSetpoint(position[rows], velocity[rows], *constant)
         tau_c = np.empty(theta.shape)
-        law.torque(theta, self.theta_dot[rows], self.stiffness[rows], np.ones(len(theta)), setpoint, tau_c)
+        law.torque(
+            theta, self.theta_dot[rows], self.stiffness[rows], np.ones(len(theta)), setpoint, tau_c, 0, len(theta)
+        )
         return tau_c
 
 
@@ -150,7 +152,7 @@ def test_impedance_of_the_position_alone_holds_four_joints(plain):
     law = Impedance(replace(GAINS, kp_elbow=kp, kd_elbow=kd), Links(ROBOT), held, oriented=False)
     setpoint = cases.setpoint._replace(held=angles)
     found = np.empty(cases.theta.shape)
-    law.torque(cases.theta, cases.theta_dot, cases.stiffness, np.ones(len(cases.theta)), setpoint, found)
+    law.torque(cases.theta, cases.theta_dot, cases.stiffness, np.ones(len(cases.theta)), setpoint, found, 0, len(found))
     for i, (theta, theta_dot) in enumerate(zip(cases.theta, cases.theta_dot, strict=True)):
         position, _, jacobian = plain.tool(theta)
         rate = jacobian[:3] @ theta_dot - setpoint.velocity[i]

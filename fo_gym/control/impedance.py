@@ -63,9 +63,17 @@ class Impedance:
         self._elbow[:, 0], self._elbow[:, 1] = gains.kp_elbow, gains.kd_elbow
 
     def torque(
-        self, theta: Array, theta_dot: Array, stiffness: Array, mass: Array, setpoint: TaskSetpoint, tau_c: Array
+        self,
+        theta: Array,
+        theta_dot: Array,
+        stiffness: Array,
+        mass: Array,
+        setpoint: TaskSetpoint,
+        tau_c: Array,
+        first: int,
+        last: int,
     ) -> None:
-        """Write the control torque.
+        """Write the control torque of the environments from `first` to `last`, which is not among them.
 
         Args:
             theta, theta_dot: measured or nominal motor, (num_envs, dof), rad and rad/s.
@@ -76,7 +84,7 @@ class Impedance:
         """
         links = self.links
         known = links.joints, links.world, links.reference, stiffness, mass
-        _torques(*known, theta, theta_dot, *setpoint, self.redundant, self._tool, self._elbow, tau_c)
+        _torques(*known, theta, theta_dot, *setpoint, self.redundant, self._tool, self._elbow, tau_c, first, last)
 
 
 @jit
@@ -122,13 +130,15 @@ def _torques(
     tool,
     elbow,
     tau_c,
+    first,
+    last,
 ):
     """The torque of `Impedance`, environment by environment, so that neighbours do not matter."""
-    num_envs, dof = theta.shape
+    dof = len(joints)
     room, carried, columns = motion_room(dof), np.empty((dof + 1, 4)), np.empty((dof, 6))
     position, rotation, error, rate = np.empty(3), np.empty((3, 3)), np.empty(6), np.empty(6)
     q_bar, gravity = np.empty(dof), np.empty(dof)
-    for i in range(num_envs):
+    for i in range(first, last):
         place(joints, reference, theta[i], room)
         tool_frame(joints, world, room, position, rotation)
         _task_errors(position, rotation, x_d[i], rotation_d, error)

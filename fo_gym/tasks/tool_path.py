@@ -128,6 +128,7 @@ class ToolPathControl(TaskControl):
         held = [robot.joints.index(name) for name in robot.redundant]
         self._law = Impedance(gains, plant.body.links, held, oriented=tool_rows(robot.dof) == 6)
         self._statics = PathStatics(plant, self.table.q_d)
+        self._threads = plant.threads
         self.path = self.table.position
 
     def reset(self, ids: Ids, scenarios: Sequence[Scenario]) -> None:
@@ -140,7 +141,8 @@ class ToolPathControl(TaskControl):
         statics.update(ticks, self.theta_d)
         table.position.take(statics.row, 0, self.reference, "clip")  # no row is out of range; "raise" would copy twice
         setpoint = TaskSetpoint(self.reference, table.velocity.take(statics.row, 0), table.rotation, table.held)
-        self._law.torque(theta, theta_dot, statics.stiffness, statics.mass, setpoint, tau_c)
+        known = statics.stiffness, statics.mass
+        self._threads.run(self._law.torque, theta, theta_dot, *known, setpoint, tau_c)
 
     def distance(self, plant: FlexibleJointPlant, scale: Any) -> Array:
         """See TaskControl."""
