@@ -198,7 +198,7 @@ def test_rows_are_medians_of_ratios(fixed_times: None) -> None:
     assert batch[["ratio", "q1", "q3"]].tolist() == pytest.approx([0.2, 0.15, 0.3])
     assert batch[["ours_us", "peer_us"]].tolist() == pytest.approx([2000 / 256, 10000 / 256])
     assert batch["verdict"] == "misses"
-    assert table.loc[(STICTION, "batch", "MuJoCo twin", 16), "bar"] != table.loc[(STICTION, "batch"), "bar"].max()
+    assert table.loc[(STICTION, "batch", "MuJoCo twin", [1, 16, 1024]), "bar"].isna().all()
     threads = table.loc[(STICTION, "threads", "one thread", 256)]
     assert threads[["ratio", "ours_us", "peer_us"]].tolist() == pytest.approx([5.0, 2000 / 256, 10000 / 256])
     single = table.loc[(REGULATION, "single", "MuJoCo twin", 1)]
@@ -282,7 +282,7 @@ def test_all_rows_are_there(quick: tuple[Result, Path]) -> None:
     assert table.loc[table["measured"] == "equal accuracy", "note"].str.contains("ours").all()
     assert set(tables["growth"]["over"]) == {"environments", "joints", "threads", "seconds"}
     assert set(tables["precision"]["env"]) == {STICTION, REGULATION}
-    assert tables["memory"]["env"].tolist() == list(IDS)
+    assert tables["memory"]["env"].tolist() == [STICTION, REGULATION, SQUARE]
     assert (tables["memory"]["ours_mb"] > 0.0).all()
     assert tables["job"]["share"].sum() == pytest.approx(1.0, abs=1e-4)
 

@@ -13,7 +13,7 @@ from environments import every_env
 from fo_gym.bench.accuracy import one_beside_lsoda, some_beside_twins
 from fo_gym.bench.bars import INTEGRATORS
 from fo_gym.bench.growth import batches_of, chains_of, threads_of
-from fo_gym.bench.memory import batch_of, growth_of_resident_set, twins_of
+from fo_gym.bench.memory import batch_of, growths_of_resident_set, twins_of
 from fo_gym.bench.precision import cases_of, lsoda
 from fo_gym.bench.subjects import one_beside_mujoco, some_beside_mujoco
 from fo_gym.bench.vectors import gymnasium_async, gymnasium_sync, many_beside_peer, sb3_subproc
@@ -194,8 +194,9 @@ def test_the_resident_set_grows_with_what_is_made() -> None:
         made.append(np.ones(num_envs * 50_000))
         return made[-1]
 
-    assert growth_of_resident_set(make, STICTION, 100) == pytest.approx(8 * 101 * 50_000, rel=0.2)
-    assert [len(each) for each in made] == [50_000, 101 * 50_000]
+    grown = growths_of_resident_set((make, make), STICTION, 100)
+    assert grown == pytest.approx([8 * 101 * 50_000] * 2, rel=0.2)
+    assert [len(each) for each in made] == [50_000, 101 * 50_000] * 2
 
 
 def test_what_memory_is_measured_of() -> None:

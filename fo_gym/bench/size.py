@@ -26,7 +26,7 @@ class Size:
         lengths: of episodes [s], over which growth is measured.
         cases: motions on which errors are compared, of each robot.
         periods: of each of these motions, at most.
-        memory_envs: environments whose memory is measured.
+        memory_envs: environments whose memory is measured, beyond the first.
         job_envs: environments of a whole job, at most.
         variants: of its episodes.
         competitors: of it, at most.
