@@ -35,7 +35,7 @@ TUNED_ON := --env FJRStiction-v0 --env FJRRegulation-v0 --env FJRSquare-v0
 tune: $(VENV)/.tune  ## tune all classical rows for the leaderboard, to build/tuning/ (hours; goes on after a kill)
 	for row in $(TUNED); do $(BIN)/fo-gym tune $$row $(TUNED_ON) || exit 1; done
 
-bench: $(VENV)/.rl  ## measure the speed of the environments beside their peers, to build/bench (minutes; close other programs)
+bench: $(VENV)/.bench  ## measure the speed of the environments beside their peers, to build/bench (ten minutes; close other programs)
 	$(BIN)/fo-gym bench --out build/bench
 
 test: $(VENV)/.dev system  ## run the tests, without the slow ones
@@ -107,9 +107,14 @@ $(VENV)/.tune: $(VENV)/.run
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[tune]'
 	touch $@
 
+$(VENV)/.bench: $(VENV)/.run
+	@echo "installing the peers of the benchmark of speed into $(VENV)"
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[bench]'
+	touch $@
+
 $(VENV)/.dev: $(VENV)/.reproduce
 	@echo "installing what the tests need into $(VENV)"
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev,ray,reproduce,rl,tune]'
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[bench,dev,ray,reproduce,rl,tune]'
 	touch $@
 
 clean:  ## remove the virtual environment and everything built

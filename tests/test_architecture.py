@@ -55,8 +55,8 @@ FLOW = (
     ("fo_gym.evaluation.runs",),
     ("fo_gym.evaluation.results",),
     ("fo_gym",),
-    ("fo_gym.certificate", "fo_gym.bench", "fo_gym.tuning"),
-    ("fo_gym.reproduction",),
+    ("fo_gym.certificate", "fo_gym.tuning"),
+    ("fo_gym.bench", "fo_gym.reproduction"),
     ("fo_gym.cli", "baselines"),
 )
 LEVEL = {part: level for level, parts in enumerate(FLOW) for part in parts}
