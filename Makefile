@@ -8,7 +8,7 @@ BIN := $(VENV)/bin
 test test-slow test-robots test-portable publish-pages: export MUJOCO_GL ?= egl
 PYTEST := $(BIN)/python -m pytest -n 2 --dist loadfile
 
-.PHONY: leaderboard quick reproduce reproduce-quick train tune bench test test-slow test-robots test-all test-portable check
+.PHONY: leaderboard quick reproduce reproduce-quick train study tune bench test test-slow test-robots test-all test-portable check
 .PHONY: publish publish-laws publish-pages publish-bench clean help
 
 leaderboard: $(VENV)/.run  ## score everybody, to build/leaderboard (a quarter of an hour on two cores)
@@ -26,6 +26,9 @@ reproduce-quick: $(VENV)/.reproduce  ## the same with fewer random cases, to bui
 train: $(VENV)/.rl  ## train the learned compensators as they are shipped, to build/train/ (minutes; goes on after a kill)
 	$(BIN)/fo-gym train --out build/train/rl-residual
 	$(BIN)/fo-gym train --direct --segments 12 --out build/train/rl-direct
+
+study: $(VENV)/.rl  ## compare six RL algorithms on three environments, to build/study (a night; goes on after a kill)
+	$(BIN)/python -m baselines.rl.study --out build/study
 
 # Every classical row with free gains, published or ours; the same budget for each.
 TUNED := pid-high pd-high letien-high pid-measured pd-measured kimchung supertwisting l1 eso kaneko feedforward \

@@ -74,6 +74,7 @@ PUBLIC = (
     "fo_gym.sb3",
     "fo_gym.scaling",
     "fo_gym.wrappers",
+    "fo_gym.wrappers.vector",
 )
 MODERN_RANDOM = {"Generator", "BitGenerator", "SeedSequence", "default_rng", "PCG64"}
 

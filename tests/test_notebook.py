@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from tempfile import gettempdir
 
 import nbformat
 import pytest
@@ -28,7 +29,7 @@ def test_it_is_published_with_its_outputs() -> None:
     assert "our policy" in text
     assert "pid-high" in text
     whole = FILE.read_text(encoding="utf-8")
-    assert [word for word in ("/home/", "/work/", "/tmp/", "/root/", "Traceback", "Warning") if word in whole] == []
+    assert [word for word in (str(ROOT), gettempdir(), "Traceback", "Warning") if word in whole] == []
     assert all(cell.metadata == {} for cell in notebook.cells)
     assert len(whole) < 50_000
 

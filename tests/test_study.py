@@ -49,7 +49,7 @@ class TestRecipes:
         assert given <= set(taken)
 
     def test_what_is_not_there_is_told(self, tmp_path):
-        with pytest.raises(ValueError, match="there is no .*ppo.yml"):
+        with pytest.raises(ValueError, match=r"there is no .*ppo\.yml"):
             Recipe.load(tmp_path, "ppo")
         (tmp_path / "ppo.yml").write_text("default: {n_envs: 1, n_timesteps: 1, policy: MlpPolicy}")
         with pytest.raises(ValueError, match="env_wrapper is None"):

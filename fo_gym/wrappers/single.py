@@ -27,7 +27,7 @@ def checked_inner(env: Any, kind: type[Kind], elsewhere: str) -> Kind:
     return inner
 
 
-class AgentView(gym.Wrapper[Seen, Seen, Array, Array], RecordConstructorArgs):
+class AgentView(gym.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     """Actions in [-1, 1] and scaled observations, float32 and finite, of any environment of fo_gym.
 
     Action 1 is `action_share` of the joint's torque limit, in either action mode; beyond +-1 actions are clipped. With

@@ -37,9 +37,7 @@ class AgentView(VectorWrapper):
     """
 
     def __init__(self, env: VectorEnv[Any, Any, Any], stack: int = 1, action_share: float | None = None) -> None:
-        inner = checked_inner(
-            env, JointVectorEnv, "gym.make_vec('FJRStiction-v0', num_envs=8), without vectorization_mode"
-        )
+        inner = checked_inner(env, JointVectorEnv, "gym.make_vec('FJRStiction-v0', num_envs=8)")
         super().__init__(env)
         self._view = View(inner.simulation, stack, action_share)
         self.single_observation_space = self._view.observation_space
@@ -61,7 +59,8 @@ class AgentView(VectorWrapper):
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Seen, dict[str, Any]]:
         """As `JointVectorEnv.reset`, with its errors; with a "reset_mask", what the others have seen stays."""
-        obs, info = self.env.reset(seed=seed, options=options)
+        envs: Any = self.env  # Gymnasium's type of a batch knows one seed alone
+        obs, info = envs.reset(seed=seed, options=options)
         return self._view.look(obs, moved=False), info
 
     def step(self, actions: Seen) -> tuple[Seen, Array, NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:

@@ -98,8 +98,8 @@ class Recipe:
         arguments = dict(self.arguments)
         kind, std = arguments.pop("noise_type", None), arguments.pop("noise_std", 0.0)
         if kind is not None:
-            size = venv.action_space.shape
-            arguments["action_noise"] = NormalActionNoise(np.zeros(size), np.full(size, std))
+            high = venv.action_space.high  # type: ignore[attr-defined]
+            arguments["action_noise"] = NormalActionNoise(np.zeros_like(high), std * high)
         log = None if tensorboard is None else str(tensorboard)
         made = getattr(importlib.import_module(module), name)
         model: BaseAlgorithm = made(env=venv, seed=seed, device="cpu", tensorboard_log=log, **arguments)
