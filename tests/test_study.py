@@ -34,7 +34,9 @@ every_algorithm = pytest.mark.parametrize("algo", SOURCES)
 def recipe(algo="ppo", **settings):
     """A recipe for moments: short episodes, few of them."""
     whole = Recipe.load(ZOO, algo)
-    return replace(whole, n_envs=2, settings={**whole.settings, "duration": 0.3, **settings}).with_steps(64)
+    return replace(whole, n_envs=2, settings={**whole.settings, "duration": 0.3, **settings}).with_steps(
+        64, checkpoints=2
+    )
 
 
 class TestRecipes:

@@ -49,7 +49,7 @@ def study(
         raise Stop(f"--algo is {unknown[0]}; allowed are {', '.join(SOURCES)}")
     try:
         recipes = [Recipe.load(zoo, name) for name in algo or SOURCES]
-        recipes = recipes if steps is None else [recipe.with_steps(steps) for recipe in recipes]
+        recipes = recipes if steps is None else [recipe.with_steps(steps, checkpoints) for recipe in recipes]
         plan = Study(tuple(recipes), checkpoints, episodes)
         claim_folder(out, plan)
         runs = runs_of(recipes, env or ENVIRONMENTS, seeds)

@@ -73,11 +73,11 @@ class Recipe:
         parts = {name: given.pop(name) for name in ("n_envs", "n_timesteps")}
         return cls(algo, **parts, view=named[0][_VIEW], settings=given.pop("env_kwargs", {}), arguments=given)
 
-    def with_steps(self, steps: int) -> Recipe:
-        """The same for so many steps, of which a rollout takes no more than there are, and is one batch then."""
+    def with_steps(self, steps: int, checkpoints: int) -> Recipe:
+        """The same for so many steps; a rollout goes no further than a checkpoint, and is one batch where it is cut."""
         short = dict(self.arguments)
         if "n_steps" in short:
-            short["n_steps"] = max(2, min(short["n_steps"], steps // self.n_envs))
+            short["n_steps"] = max(2, min(short["n_steps"], steps // checkpoints // self.n_envs))
             rollout = short["n_steps"] * self.n_envs
             short["batch_size"] = short["batch_size"] if rollout % short["batch_size"] == 0 else rollout
         return replace(self, n_timesteps=steps, arguments=short)
