@@ -59,10 +59,10 @@ def check_command(command: str) -> None:
 
 
 def test_there_are_four_workflows() -> None:
-    assert [path.stem for path in WORKFLOWS] == ["leaderboard", "page", "robots", "test"]
+    assert [path.stem for path in WORKFLOWS] == ["leaderboard", "packages", "page", "test"]
     wanted = {
         "page": {"make page"},
-        "robots": {"make test-robots"},
+        "packages": {"make test-robots"},
         "leaderboard": {"make leaderboard", "make quick", ".venv/bin/fo-gym verify"},
         "test": {"make check", "make test", "make test-portable"},
     }
