@@ -7,9 +7,11 @@ BIN := $(VENV)/bin
 # Only what draws asks for OpenGL: importing MuJoCo with "egl" fails where there is no libEGL.
 test test-slow test-robots test-portable publish-pages publish-videos: export MUJOCO_GL ?= egl
 PYTEST := $(BIN)/python -m pytest -n 2 --dist loadfile
+FAST := not slow and not robots and not zoo
 
-.PHONY: leaderboard quick reproduce reproduce-quick train tune bench test test-slow test-robots test-all test-portable check
-.PHONY: publish publish-laws publish-pages publish-maps publish-videos publish-bench clean help
+.PHONY: leaderboard quick reproduce reproduce-quick train study tune bench page test test-slow test-robots test-zoo test-all
+.PHONY: test-portable check publish publish-laws publish-pages publish-maps publish-videos \
+	publish-bench clean help
 
 leaderboard: $(VENV)/.run  ## score everybody, to build/leaderboard (a quarter of an hour on two cores)
 	$(BIN)/fo-gym leaderboard
@@ -27,6 +29,9 @@ train: $(VENV)/.rl  ## train the learned compensators as they are shipped, to bu
 	$(BIN)/fo-gym train --out build/train/rl-residual
 	$(BIN)/fo-gym train --direct --segments 12 --out build/train/rl-direct
 
+study: $(VENV)/.rl  ## compare six RL algorithms on three environments, to build/study (a night; goes on after a kill)
+	$(BIN)/python -m baselines.rl.study --out build/study
+
 # Every classical row with free gains, published or ours; the same budget for each.
 TUNED := pid-high pd-high letien-high pid-measured pd-measured kimchung supertwisting l1 eso kaneko feedforward \
 	lugre-nominal lugre-adaptive
@@ -35,11 +40,14 @@ TUNED_ON := --env FJRStiction-v0 --env FJRRegulation-v0 --env FJRSquare-v0
 tune: $(VENV)/.tune  ## tune all classical rows for the leaderboard, to build/tuning/ (hours; goes on after a kill)
 	for row in $(TUNED); do $(BIN)/fo-gym tune $$row $(TUNED_ON) || exit 1; done
 
-bench: $(VENV)/.rl  ## measure the speed of the environments beside their peers, to build/bench (minutes; close other programs)
+page: $(VENV)/.page  ## the published leaderboard as a page to look at, to leaderboard/site (minutes; at once after that)
+	$(BIN)/fo-gym page
+
+bench: $(VENV)/.bench  ## measure the speed of the environments beside their peers, to build/bench (ten minutes; close other programs)
 	$(BIN)/fo-gym bench --out build/bench
 
 test: $(VENV)/.dev system  ## run the tests, without the slow ones
-	$(PYTEST) -m "not slow and not robots"
+	$(PYTEST) -m "$(FAST)"
 
 test-slow: $(VENV)/.dev system  ## run the slow ones
 	$(PYTEST) -m slow
@@ -50,8 +58,12 @@ test-robots: $(VENV)/.dev system  ## try the robots of other packages (installs 
 	$(BIN)/python -m pip install --quiet --no-deps -r tests/robots_of_packages/requirements.txt
 	$(PYTEST) -m robots
 
+test-zoo: $(VENV)/.dev  ## let RL-Zoo run the hyperparameters of examples/rl_zoo (installs it, in versions of its own)
+	$(BIN)/python -m pip install --quiet --requirement tests/rl_zoo/requirements.txt
+	$(PYTEST) -m zoo
+
 test-portable: $(VENV)/.dev system  ## what `make test` runs, as an older processor would compute it
-	$(BIN)/python docs/processors/elsewhere.py generic $(PYTEST) -m "not slow and not robots"
+	$(BIN)/python docs/processors/elsewhere.py generic $(PYTEST) -m "$(FAST)"
 
 check: $(VENV)/.dev  ## ruff and mypy
 	$(BIN)/ruff check .
@@ -117,9 +129,19 @@ $(VENV)/.tune: $(VENV)/.run
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[tune]'
 	touch $@
 
+$(VENV)/.page: $(VENV)/.run
+	@echo "installing what pages are made of into $(VENV)"
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[page]'
+	touch $@
+
+$(VENV)/.bench: $(VENV)/.run
+	@echo "installing the peers of the benchmark of speed into $(VENV)"
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[bench]'
+	touch $@
+
 $(VENV)/.dev: $(VENV)/.reproduce
 	@echo "installing what the tests need into $(VENV)"
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev,ray,reproduce,rl,tune]'
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[bench,dev,page,ray,reproduce,rl,tune]'
 	touch $@
 
 clean:  ## remove the virtual environment and everything built

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from fo_gym.bench.report import write_page
 from fo_gym.evaluation.metrics import METRICS
 from fo_gym.evaluation.metrics.registry import HEADLINE
 from fo_gym.evaluation.results.laws import finding as over_laws
@@ -17,8 +18,8 @@ from fo_gym.evaluation.results.tables import Ranking, explained, finding, markdo
 from fo_gym.evaluation.runs.episodes import SET, label_of
 from fo_gym.evaluation.runs.protocol import load_protocol
 from fo_gym.files import read_csv
-from fo_gym.reproduction.report import PLACES, counts, tolerance
-from fo_gym.reproduction.run import FAILS, HOLDS
+from fo_gym.reproduction.report import PLACES, counts
+from fo_gym.reproduction.wording import FAILS, HOLDS, tolerance
 
 ROOT = Path(__file__).parent.parent
 LEARNED = ("rl-residual", "rl-direct")
@@ -73,11 +74,11 @@ def fidelity() -> str:
 
 
 def speed() -> str:
-    """The ratios of docs/bench/bench.csv."""
-    table = _csv("docs/bench/bench.csv").dropna(subset="ratio")
-    columns = ["env", "measured", "beside", "num_envs", "ratio", "bar"]
+    """What docs/bench/bench.csv says of everything that has a bar."""
+    table = _csv("docs/bench/bench.csv").dropna(subset=["ratio", "bar"])
+    columns = ["env", "measured", "beside", "num_envs", "ratio", "bar", "verdict"]
     cells = [[_cell(row[column]) for column in columns] for row in table.to_dict("records")]
-    return markdown(Ranking("", ["environment", "measured", "beside", "environments", "ratio", "bar"], cells))
+    return markdown(Ranking("", ["environment", "measured", "beside", "environments", *columns[4:]], cells))
 
 
 def _cell(value: object) -> str:
@@ -216,3 +217,4 @@ def page(name: str) -> str:
 if __name__ == "__main__":
     for name in PAGES:
         (ROOT / name).write_text(page(name), encoding="utf-8", newline="\n")
+    write_page(ROOT / "docs/bench")

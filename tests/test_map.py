@@ -12,13 +12,15 @@ import pytest
 from commands import run, strangers_folder
 
 import fo_gym
+from fo_gym.evaluation.competitors.content import Content
 from fo_gym.evaluation.metrics import METRICS
 from fo_gym.evaluation.results.map import Map, column_of, map_table
 from fo_gym.evaluation.results.map_figure import Marks, map_figure
 from fo_gym.evaluation.runs import cells as cells_module
+from fo_gym.evaluation.runs import store as store_module
 from fo_gym.evaluation.runs.backends import Processes
-from fo_gym.evaluation.runs.cells import changed_law, friction_names
-from fo_gym.evaluation.runs.store import Store
+from fo_gym.evaluation.runs.cells import CellSet, changed_law, friction_names
+from fo_gym.evaluation.runs.store import Store, key_of
 from fo_gym.reproduction.marks import paper_marks
 
 STICTION, SQUARE = "FJRStiction-v0", "FJRSquare-v0"
@@ -115,6 +117,17 @@ def test_finished_batches_are_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     again = map_table(plan, Processes(1), store, told.append)
     pd.testing.assert_frame_equal(first, again, check_exact=True)
     assert told == 4 * [f"{STICTION}, nominal: pd, from the store"]
+
+
+def test_what_is_kept_is_of_these_cells_and_of_this_source(monkeypatch: pytest.MonkeyPatch) -> None:
+    plan = plan_of("pd", ("L", [50.0, 100.0]), ("Lp", [10.0]))
+    sets = [CellSet.of(plan.episode, [cell]) for cell in plan.cells]
+    one, other, same = (key_of(each, plan.competitor) for each in (*sets, CellSet.of(plan.episode, plan.cells[:1])))
+    assert one == same
+    assert len({one, other, key_of(plan.episode, plan.competitor)}) == 3
+    changed = Content({"cells.py": "another"}, {})
+    monkeypatch.setattr(store_module, "content_of_source", lambda source: changed)
+    assert key_of(sets[0], plan.competitor) != one
 
 
 def test_limit_cycles_of_short_episodes() -> None:

@@ -58,10 +58,11 @@ def check_command(command: str) -> None:
         assert command.startswith(".venv/bin/python -m pip install "), command
 
 
-def test_there_are_three_workflows() -> None:
-    assert [path.stem for path in WORKFLOWS] == ["leaderboard", "robots", "test"]
+def test_there_are_four_workflows() -> None:
+    assert [path.stem for path in WORKFLOWS] == ["leaderboard", "packages", "page", "test"]
     wanted = {
-        "robots": {"make test-robots"},
+        "page": {"make page"},
+        "packages": {"make test-robots"},
         "leaderboard": {"make leaderboard", "make quick", ".venv/bin/fo-gym verify"},
         "test": {"make check", "make test", "make test-portable"},
     }

@@ -71,6 +71,7 @@ def test_every_file_that_the_pages_name_exists() -> None:
     for page in (
         "README.md",
         "CONTRIBUTING.md",
+        "docs/agents.md",
         "docs/learning.md",
         "docs/api.md",
         "docs/protocol.md",

@@ -22,6 +22,7 @@ def train(
         bool, typer.Option("--direct", help="A policy alone, not added to the PID-type observer.")
     ] = False,
     segments: Annotated[int | None, typer.Option(help="Segments to train for; by default the algorithm's own.")] = None,
+    tensorboard: Annotated[Path | None, typer.Option(help="Folder of TensorBoard's logs; none by default.")] = None,
 ) -> None:
     """Train a policy that compensates friction, for one joint, shared by all joints.
 
@@ -60,7 +61,7 @@ def train(
             segments=algorithm.segments if segments is None else segments,
         )
         with progress_bar(plan.segments * plan.actions) as advance:
-            best = run(plan, out, on_steps=advance)
-    except (ValueError, ModuleNotFoundError) as error:
+            best = run(plan, out, on_steps=advance, tensorboard=tensorboard)
+    except (ValueError, ImportError) as error:
         raise Stop(str(error)) from error
     tell_written([best, *(best.with_name(name) for name in ("card.md", "curve.csv", "curve.png", "compensator.py"))])

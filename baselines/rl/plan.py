@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 from baselines.rl.course import course_of
 from baselines.rl.design import Design
@@ -60,8 +61,8 @@ class Plan:
         return self.seed * 1_000_000 + segment * 1_000
 
 
-def claim_folder(out: Path, plan: Plan) -> None:
-    """Note in `out` what is trained there.
+def claim_folder(out: Path, plan: Any) -> None:
+    """Note in `out` what is trained there, a `Plan` or another dataclass.
 
     Raises:
         ValueError: something else is.
