@@ -1,0 +1,40 @@
+"""How Sphinx builds these pages: `make docs`, to docs/_build/html."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))  # the two extensions below
+
+import fo_gym
+
+project = "fo-gym"
+author = "The fo-gym authors"
+copyright = author  # without a year: the same inputs make the same pages
+version = release = fo_gym.__version__
+
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "docstrings", "pages"]
+exclude_patterns = ["_build"]
+suppress_warnings = ["toc.empty_glob"]  # pages are listed by pattern, so that a new one needs no entry
+
+myst_heading_anchors = 4
+smartquotes = False  # theta' is a derivative
+highlight_language = "none"  # what is indented is an equation; programs say their language
+default_role = "code"
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"  # the signature has them
+autodoc_class_signature = "mixed"
+napoleon_numpy_docstring = False
+napoleon_use_ivar = True
+python_use_unqualified_type_names = True
+maximum_signature_line_length = 100
+
+html_theme = "furo"
+html_title = "fo-gym"
+html_static_path = ["static"]
+html_css_files = ["fo_gym.css"]
+html_show_sourcelink = False
+html_copy_source = False
+html_last_updated_fmt = None
