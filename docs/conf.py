@@ -16,9 +16,9 @@ version = release = fo_gym.__version__
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "docstrings", "pages"]
 exclude_patterns = ["_build"]
-suppress_warnings = ["toc.empty_glob"]  # pages are listed by pattern, so that a new one needs no entry
 
 myst_heading_anchors = 4
+myst_url_schemes = {"http": None, "https": None, "file-of-repository": {"url": "{{path}}"}}  # see pages.address
 smartquotes = False  # theta' is a derivative
 highlight_language = "none"  # what is indented is an equation; programs say their language
 default_role = "code"

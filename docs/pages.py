@@ -25,6 +25,7 @@ from fo_gym.files import read_csv
 
 DOCS = Path(__file__).parent
 ROOT = DOCS.parent
+BUILT = DOCS / "_build" / "html"
 WHOLE = {"changelog.md": "CHANGELOG.md", "contributing.md": "CONTRIBUTING.md"}
 """Pages of docs/ that are a file of the repository."""
 
@@ -33,10 +34,12 @@ _SECTION = re.compile(r"^(Args|Attributes|Returns|Raises):$")
 _ENTRY = re.compile(r"^    (\w[\w, ]*): (.*)$")
 
 
-def repository() -> str:
-    """Where files of the repository are read: on its server, where a workflow builds, else in this checkout."""
+def address(target: Path, page: Path) -> str:
+    """Where a file of the repository is read: on its server, where a workflow builds, else beside what is built."""
     name = os.environ.get("GITHUB_REPOSITORY")
-    return f"{os.environ['GITHUB_SERVER_URL']}/{name}/blob/main" if name else ROOT.as_uri()
+    if name:
+        return f"{os.environ['GITHUB_SERVER_URL']}/{name}/blob/main/{target.relative_to(ROOT).as_posix()}"
+    return f"file-of-repository:{os.path.relpath(target, BUILT / page.parent.relative_to(DOCS))}"
 
 
 def relinked(text: str, origin: Path, page: Path) -> str:
@@ -54,7 +57,7 @@ def relinked(text: str, origin: Path, page: Path) -> str:
             return f"{start}{os.path.relpath(made, page.parent)}{end}"  # Sphinx says so where it is not there
         if not target.exists():
             raise ValueError(f"{page.relative_to(ROOT)} links to {name}, which is not there")
-        return f"{start}{repository()}/{target.relative_to(ROOT).as_posix()}{end}"
+        return f"{start}{address(target, page)}{end}"
 
     return _LINK.sub(told, text)
 
