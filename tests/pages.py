@@ -28,8 +28,8 @@ job = json.load(sys.stdin)
 if job["short"]:
     register = gym.register
     for env_id in fo_gym.ENVIRONMENTS:
-        gym.spec(env_id).kwargs["duration"] = 0.3
-    gym.register = lambda *args, kwargs, **others: register(*args, kwargs={**kwargs, "duration": 0.3}, **others)
+        gym.spec(env_id).kwargs["duration"] = 0.1
+    gym.register = lambda *args, kwargs, **others: register(*args, kwargs={**kwargs, "duration": 0.1}, **others)
 
 
 def take(kind, text, names):
@@ -73,7 +73,8 @@ def languages(text: str) -> set[str]:
 
 def steps(text: str) -> list[Step]:
     """What is to be run of a page, in its order: blocks, and commands, fenced or indented."""
-    found = {match.start(): Step(match[1], match[2]) for match in _FENCED.finditer(text) if match[1] in ("python", "toml")}
+    blocks = (match for match in _FENCED.finditer(text) if match[1] in ("python", "toml"))
+    found = {match.start(): Step(match[1], match[2]) for match in blocks}
     fences = [(match.start(), match.end(), match[1]) for match in _FENCED.finditer(text)]
     for match in _COMMAND.finditer(text):
         within = next((language for start, end, language in fences if start < match.start() < end), None)
@@ -82,13 +83,15 @@ def steps(text: str) -> list[Step]:
     return [found[place] for place in sorted(found)]
 
 
-def run_pages(folder: Path, pages: dict[str, list[Step]], *, short: bool, after: str = "") -> tuple[str, dict[str, str]]:
+def run_pages(
+    folder: Path, pages: dict[str, list[Step]], *, short: bool, after: str = ""
+) -> tuple[str, dict[str, str]]:
     """Output, and what each page raised, run in one process, each beside a copy of the examples.
 
     Args:
         folder: where a folder for each page is made.
         pages: what is to be run of each.
-        short: whether environments last 0.3 s.
+        short: whether environments last 0.1 s.
         after: a program that sees the names of each page.
     """
     jobs = []
@@ -99,7 +102,7 @@ def run_pages(folder: Path, pages: dict[str, list[Step]], *, short: bool, after:
         jobs.append((page, str(here), chosen))
     out = folder / "raised.json"
     job = {"short": short, "pages": jobs, "after": after, "out": str(out)}
-    environment = os.environ | {"PYTHONPATH": str(ROOT), "COLUMNS": "160"}
+    environment = os.environ | {"PYTHONPATH": str(ROOT), "COLUMNS": "160", "OMP_NUM_THREADS": "1"}
     command = [sys.executable, "-c", PROGRAM]
     options = {"env": environment, "capture_output": True, "text": True, "input": json.dumps(job)}
     done = subprocess.run(command, check=False, **options)  # type: ignore[call-overload]
