@@ -10,7 +10,7 @@ PYTEST := $(BIN)/python -m pytest -n 2 --dist loadfile
 FAST := not slow and not robots and not zoo
 
 .PHONY: leaderboard quick reproduce reproduce-quick train study tune bench test test-slow test-robots test-zoo test-all
-.PHONY: test-portable check docs publish publish-laws publish-pages publish-bench clean help
+.PHONY: test-portable check docs site dist publish publish-laws publish-pages publish-bench clean help
 
 leaderboard: $(VENV)/.run  ## score everybody, to build/leaderboard (a quarter of an hour on two cores)
 	$(BIN)/fo-gym leaderboard
@@ -68,6 +68,16 @@ check: $(VENV)/.dev  ## ruff and mypy
 
 docs: $(VENV)/.docs  ## build the documentation, to docs/_build/html (seconds; no network); warnings are errors
 	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet --jobs auto docs docs/_build/html
+
+site: docs  ## put together what GitHub Pages shows, in build/site: the documentation, under docs/
+	rm -rf build/site
+	mkdir -p build/site
+	cp -r docs/_build/html build/site/docs
+
+dist: $(VENV)/.dev  ## build the package, to dist/; of a release with TAG=v..., which has to be the version
+	$(BIN)/python -c 'import fo_gym, sys; sys.exit(f"v{fo_gym.__version__} is not the tag $(TAG)" if "$(TAG)" not in ("", f"v{fo_gym.__version__}") else 0)'
+	rm -rf dist
+	$(BIN)/python -m build --no-isolation --outdir dist
 
 # Only what begins with publish- changes files of the repository.
 publish: $(VENV)/.dev system  ## run leaderboard and reproduction, write leaderboard/ and the pages that show it

@@ -23,6 +23,7 @@ smartquotes = False  # theta' is a derivative
 highlight_language = "none"  # what is indented is an equation; programs say their language
 default_role = "code"
 
+autodoc_mock_imports = ["stable_baselines3"]  # of the extra "rl", which the pages do without
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # the signature has them
 autodoc_class_signature = "mixed"
