@@ -67,7 +67,7 @@ check: $(VENV)/.dev  ## ruff and mypy
 	$(BIN)/mypy
 
 docs: $(VENV)/.docs  ## build the documentation, to docs/_build/html (seconds; no network); warnings are errors
-	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet --jobs auto docs docs/_build/html
+	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet --doctree-dir docs/_build/doctrees docs docs/_build/html
 
 site: docs  ## put together what GitHub Pages shows, in build/site: the documentation, under docs/
 	rm -rf build/site

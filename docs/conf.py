@@ -25,17 +25,15 @@ default_role = "code"
 
 autodoc_mock_imports = ["stable_baselines3"]  # of the extra "rl", which the pages do without
 autodoc_member_order = "bysource"
-autodoc_typehints = "none"  # the signature has them
+autodoc_typehints = "none"  # shapes and units are said in words
 autodoc_class_signature = "mixed"
 napoleon_numpy_docstring = False
 napoleon_use_ivar = True
+napoleon_attr_annotations = False
 python_use_unqualified_type_names = True
 maximum_signature_line_length = 100
 
 html_theme = "furo"
 html_title = "fo-gym"
-html_static_path = ["static"]
-html_css_files = ["fo_gym.css"]
 html_show_sourcelink = False
 html_copy_source = False
-html_last_updated_fmt = None
