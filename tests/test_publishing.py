@@ -64,9 +64,9 @@ def check_command(command: str) -> None:
 
 
 def test_there_are_five_workflows() -> None:
-    assert [path.stem for path in WORKFLOWS] == ["leaderboard", "page", "release", "robots", "test"]
+    assert [path.stem for path in WORKFLOWS] == ["leaderboard", "packages", "page", "release", "test"]
     wanted = {
-        "robots": {"make test-robots"},
+        "packages": {"make test-robots"},
         "leaderboard": {"make leaderboard", "make quick", ".venv/bin/fo-gym verify"},
         "page": {"make site"},
         "release": {"make dist TAG=${GITHUB_REF_NAME}"},
