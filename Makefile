@@ -9,7 +9,7 @@ test test-slow test-robots test-portable publish-pages: export MUJOCO_GL ?= egl
 PYTEST := $(BIN)/python -m pytest -n 2 --dist loadfile
 FAST := not slow and not robots and not zoo
 
-.PHONY: leaderboard quick reproduce reproduce-quick train study tune bench test test-slow test-robots test-zoo test-all
+.PHONY: leaderboard quick reproduce reproduce-quick train study tune bench page test test-slow test-robots test-zoo test-all
 .PHONY: test-portable check docs site dist publish publish-laws publish-pages publish-bench clean help
 
 leaderboard: $(VENV)/.run  ## score everybody, to build/leaderboard (a quarter of an hour on two cores)
@@ -38,6 +38,9 @@ TUNED_ON := --env FJRStiction-v0 --env FJRRegulation-v0 --env FJRSquare-v0
 
 tune: $(VENV)/.tune  ## tune all classical rows for the leaderboard, to build/tuning/ (hours; goes on after a kill)
 	for row in $(TUNED); do $(BIN)/fo-gym tune $$row $(TUNED_ON) || exit 1; done
+
+page: $(VENV)/.page  ## the published leaderboard as a page to look at, to leaderboard/site (minutes; at once after that)
+	$(BIN)/fo-gym page
 
 bench: $(VENV)/.bench  ## measure the speed of the environments beside their peers, to build/bench (ten minutes; close other programs)
 	$(BIN)/fo-gym bench --out build/bench
@@ -69,9 +72,10 @@ check: $(VENV)/.dev  ## ruff and mypy
 docs: $(VENV)/.docs  ## build the documentation, to docs/_build/html (seconds; no network); warnings are errors
 	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet --doctree-dir docs/_build/doctrees docs docs/_build/html
 
-site: docs  ## put together what GitHub Pages shows, in build/site: the documentation, under docs/
+site: page docs  ## put together what GitHub Pages shows, in build/site: the page, and the documentation under docs/
 	rm -rf build/site
-	mkdir -p build/site
+	mkdir -p build
+	cp -r leaderboard/site build/site
 	cp -r docs/_build/html build/site/docs
 
 dist: $(VENV)/.dev  ## build the package, to dist/; of a release with TAG=v..., which has to be the version
@@ -127,6 +131,11 @@ $(VENV)/.tune: $(VENV)/.run
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[tune]'
 	touch $@
 
+$(VENV)/.page: $(VENV)/.run
+	@echo "installing what pages are made of into $(VENV)"
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[page]'
+	touch $@
+
 $(VENV)/.bench: $(VENV)/.run
 	@echo "installing the peers of the benchmark of speed into $(VENV)"
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[bench]'
@@ -139,7 +148,7 @@ $(VENV)/.docs: $(VENV)/.run
 
 $(VENV)/.dev: $(VENV)/.reproduce
 	@echo "installing what the tests need into $(VENV)"
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[bench,dev,docs,ray,reproduce,rl,tune]'
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[bench,dev,docs,page,ray,reproduce,rl,tune]'
 	touch $@
 
 clean:  ## remove the virtual environment and everything built

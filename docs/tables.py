@@ -18,8 +18,8 @@ from fo_gym.evaluation.results.tables import Ranking, explained, finding, markdo
 from fo_gym.evaluation.runs.episodes import SET, label_of
 from fo_gym.evaluation.runs.protocol import load_protocol
 from fo_gym.files import read_csv
-from fo_gym.reproduction.report import PLACES, counts, tolerance
-from fo_gym.reproduction.run import FAILS, HOLDS
+from fo_gym.reproduction.report import PLACES, counts
+from fo_gym.reproduction.wording import FAILS, HOLDS, tolerance
 
 ROOT = Path(__file__).parent.parent
 LEARNED = ("rl-residual", "rl-direct")

@@ -1,110 +1,85 @@
-"""The programs and commands in the pages of the project, and a process that runs them."""
+"""A small leaderboard that was really run, its page, and a browser to look at it, for the tests of the page."""
 
 from __future__ import annotations
 
-import json
-import os
-import re
 import shutil
-import subprocess
-import sys
-from pathlib import Path
-from typing import NamedTuple
-
-ROOT = Path(__file__).parents[1]
-_FENCED = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-_COMMAND = re.compile(r"^(?: {4})?((?:make|python|\.venv/bin/\w[\w-]*|fo-gym) [^\n]+)$", re.MULTILINE)
-
-# Runs the steps of each page in a folder of its own, all pages in one process, and writes what each raised.
-PROGRAM = """
-import json, os, shlex, sys, tomllib, traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
-import gymnasium as gym
-import fo_gym
+from playwright.sync_api import Browser, Page, sync_playwright
+from tables import SQUARE, STICTION
+from typer.testing import CliRunner
+
 from fo_gym.cli import app
+from fo_gym.evaluation.results.report import write_results
+from fo_gym.evaluation.runs.protocol import Protocol
+from fo_gym.evaluation.runs.run import run_protocol
 
-job = json.load(sys.stdin)
-if job["short"]:
-    register = gym.register
-    for env_id in fo_gym.ENVIRONMENTS:
-        gym.spec(env_id).kwargs["duration"] = 0.1
-    gym.register = lambda *args, kwargs, **others: register(*args, kwargs={**kwargs, "duration": 0.1}, **others)
-
-
-def take(kind, text, names):
-    path = text.partition("\\n")[0].removeprefix("# ")
-    if kind == "sh":
-        app(shlex.split(text, comments=True)[1:], standalone_mode=False)
-    elif text.startswith("# ") and " " not in path and path.endswith((".py", ".toml")):
-        Path(path).parent.mkdir(parents=True, exist_ok=True)
-        Path(path).write_text(text)
-    elif kind == "toml":
-        tomllib.loads(text)
-    else:
-        exec(text, names)
+NAMES = ("pid-low", "pid-high", "pd-low", "letien-high", "kaneko")
+LINK, SQUARES = f"{STICTION}/nominal", f"{SQUARE}/randomized"
 
 
-raised = {}
-for page, folder, steps in job["pages"]:
-    os.chdir(folder)
-    names = {"__name__": "page"}
-    try:
-        for kind, text in steps:
-            take(kind, text, names)
-        exec(job["after"], names)
-    except BaseException:
-        raised[page] = f"{kind}: {text}\\n{traceback.format_exc()}"
-Path(job["out"]).write_text(json.dumps(raised))
-"""
+def run(*arguments: str | Path) -> str:
+    """What a command printed; it must not fail."""
+    done = CliRunner().invoke(app, [str(each) for each in arguments], catch_exceptions=False)
+    assert done.exit_code == 0, done.output
+    return done.output
 
 
-class Step(NamedTuple):
-    """A block of Python or TOML, or one command."""
-
-    kind: str
-    text: str
-
-
-def languages(text: str) -> set[str]:
-    """Those of the fenced blocks of a page, and directives."""
-    return {language for language, _ in _FENCED.findall(text)}
-
-
-def steps(text: str) -> list[Step]:
-    """What is to be run of a page, in its order: blocks, and commands, fenced or indented."""
-    blocks = (match for match in _FENCED.finditer(text) if match[1] in ("python", "toml"))
-    found = {match.start(): Step(match[1], match[2]) for match in blocks}
-    fences = [(match.start(), match.end(), match[1]) for match in _FENCED.finditer(text)]
-    for match in _COMMAND.finditer(text):
-        within = next((language for start, end, language in fences if start < match.start() < end), None)
-        if within == "sh" or (within is None and match[0].startswith(" ")):
-            found[match.start()] = Step("sh", match[1].partition(" #")[0].strip())
-    return [found[place] for place in sorted(found)]
+def write_leaderboard(folder: Path) -> None:
+    """Publish five competitors on two environments in two variants, with claims and a map."""
+    protocol = Protocol("small", "validation", 2, (STICTION, SQUARE), ("nominal", "randomized"), NAMES)
+    write_results(protocol, run_protocol(protocol), folder)
+    (folder / "maps").mkdir()
+    rows = [f"{low},{high},{low * high}" for low in (10, 20, 40) for high in (1, 5)]
+    (folder / "maps" / "pid over gains.csv").write_text("L,Li,hunting\n" + "\n".join(rows) + "\n", encoding="utf-8")
+    published = Path(__file__).parents[1] / "leaderboard"
+    (folder / "paper").mkdir()
+    shutil.copy(published / "paper" / "claims.csv", folder / "paper" / "claims.csv")
+    shutil.copy(published / "fidelity.csv", folder / "fidelity.csv")
 
 
-def run_pages(
-    folder: Path, pages: dict[str, list[Step]], *, short: bool, after: str = ""
-) -> tuple[str, dict[str, str]]:
-    """Output, and what each page raised, run in one process, each beside a copy of the examples.
+@contextmanager
+def chromium() -> Iterator[Browser]:
+    """The system's own browser, without a window."""
+    found = shutil.which("chromium") or shutil.which("google-chrome")
+    assert found, "there is no chromium; sh .ci/system-packages installs it"
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
+        yield browser
+        browser.close()
 
-    Args:
-        folder: where a folder for each page is made.
-        pages: what is to be run of each.
-        short: whether environments last 0.1 s.
-        after: a program that sees the names of each page.
-    """
-    jobs = []
-    for number, (page, chosen) in enumerate(pages.items()):
-        here = folder / str(number)
-        shutil.copytree(ROOT / "examples", here / "examples")
-        shutil.copytree(ROOT / "examples", here / "leaderboard" / "submissions")
-        jobs.append((page, str(here), chosen))
-    out = folder / "raised.json"
-    job = {"short": short, "pages": jobs, "after": after, "out": str(out)}
-    environment = os.environ | {"PYTHONPATH": str(ROOT), "COLUMNS": "160", "OMP_NUM_THREADS": "1"}
-    command = [sys.executable, "-c", PROGRAM]
-    options = {"env": environment, "capture_output": True, "text": True, "input": json.dumps(job)}
-    done = subprocess.run(command, check=False, **options)  # type: ignore[call-overload]
-    assert done.returncode == 0, f"{done.stdout}\n{done.stderr}"
-    return str(done.stdout), json.loads(out.read_text(encoding="utf-8"))
+
+class Visit:
+    """A page that was opened, what it complained about, and the files that it asked for."""
+
+    def __init__(
+        self, browser: Browser, site: Path, address: str = "", width: int = 1280, scheme: str = "light"
+    ) -> None:
+        self.site = site
+        self.complaints: list[str] = []
+        self.asked: list[str] = []
+        self.page: Page = browser.new_page(viewport={"width": width, "height": 600}, color_scheme=scheme)  # type: ignore[arg-type]
+        self.page.on("console", lambda message: self.complaints.append(f"{message.type}: {message.text}"))
+        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        self.page.on("request", lambda request: self.asked.append(request.url))
+        self.open(address)
+
+    def open(self, address: str) -> None:
+        """Go to another address of the page, as a reader who was sent it."""
+        self.page.goto("about:blank")
+        self.page.goto(f"{(self.site / 'index.html').as_uri()}{address}")
+
+    def names(self) -> list[str]:
+        """Who stands in the table that is shown, from top to bottom."""
+        rows = self.page.locator("section.ranking:not([hidden]) tbody tr:not([hidden])")
+        return [str(name) for name in rows.evaluate_all("rows => rows.map((row) => row.dataset.name)")]
+
+    def wait_for_traces(self, *names: str) -> None:
+        """Wait until the charts show just these."""
+        self.page.wait_for_selector(f"#charts[data-shown='{','.join(names)}'] .uplot canvas")
+
+    def hash(self) -> str:
+        """What the address says after the page."""
+        return str(self.page.evaluate("decodeURIComponent(location.hash)"))

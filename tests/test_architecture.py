@@ -58,6 +58,7 @@ FLOW = (
     ("fo_gym",),
     ("fo_gym.certificate", "fo_gym.tuning"),
     ("fo_gym.bench", "fo_gym.reproduction"),
+    ("fo_gym.page",),
     ("fo_gym.cli", "baselines"),
 )
 LEVEL = {part: level for level, parts in enumerate(FLOW) for part in parts}

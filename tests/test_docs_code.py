@@ -7,7 +7,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from pages import ROOT, Step, languages, run_pages, steps
+from page_code import ROOT, Step, languages, run_pages, steps
 
 MADE = {"compensators.md", "changelog.md", "contributing.md"}  # when the documentation is built
 PAGES = {
@@ -19,11 +19,12 @@ LANGUAGES = {"python", "sh", "toml", "ini", "text", "{toctree}", "{eval-rst}"}
 
 # What takes minutes or hours, and who runs it instead.
 LONG = {
-    r"make (leaderboard|quick|reproduce|test-portable|docs|test|\.venv/\.run)": "the workflows",
+    r"make (leaderboard|page|quick|reproduce|test-portable|docs|test|\.venv/\.run)": "the workflows",
     r"make bench": "fo-gym bench: tests/test_bench.py",
     r"make train|\S+fo-gym train|\S+fo-gym evaluate build/mine/compensator.py": "tests/test_rl_training.py",
     r"make study": "baselines/rl/study: tests/test_study.py",
     r"python -m rl_zoo3\.train": "make test-zoo, and the workflow packages",
+    r"\S+fo-gym page --from build/leaderboard": "tests/test_page.py",
     r"make tune": "fo-gym tune: tests/test_tuning.py",
     r"\S*fo-gym verify": "tests/test_verify.py, and the workflow leaderboard",
     r"\S*fo-gym leaderboard --protocol laws": "tests/test_protocol.py",

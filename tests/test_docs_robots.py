@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from pages import Step, run_pages, steps
+from page_code import Step, run_pages, steps
 
 import fo_gym
 from fo_gym.control import design as gains
