@@ -5,12 +5,13 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 # Only what draws asks for OpenGL: importing MuJoCo with "egl" fails where there is no libEGL.
-test test-slow test-robots test-portable publish-pages: export MUJOCO_GL ?= egl
+test test-slow test-robots test-portable publish-pages publish-videos: export MUJOCO_GL ?= egl
 PYTEST := $(BIN)/python -m pytest -n 2 --dist loadfile
 FAST := not slow and not robots and not zoo
 
 .PHONY: leaderboard quick reproduce reproduce-quick train study tune bench page test test-slow test-robots test-zoo test-all
-.PHONY: test-portable check docs site dist publish publish-laws publish-pages publish-bench clean help
+.PHONY: test-portable check docs site dist publish publish-laws publish-pages publish-maps publish-videos publish-bench
+.PHONY: clean help
 
 leaderboard: $(VENV)/.run  ## score everybody, to build/leaderboard (a quarter of an hour on two cores)
 	$(BIN)/fo-gym leaderboard
@@ -96,6 +97,16 @@ publish-pages: $(VENV)/.dev system  ## redraw the pictures and the tables of REA
 	$(BIN)/python docs/pictures.py
 	$(BIN)/python docs/learning/draw.py
 	$(BIN)/python docs/tables.py
+
+# Long episodes: some limit cycles slip once in ten seconds.
+publish-maps: $(VENV)/.dev  ## draw the maps of docs/maps.md, to docs/maps/ (minutes; goes on after a kill)
+	$(BIN)/fo-gym map pid --x L=10:300:40 --y Li=1:400:40 --duration 40 --out docs/maps/pid
+	$(BIN)/fo-gym map pd --x L=10:300:40 --y Lp=2:60:40 --metric rest --out docs/maps/pd
+	$(BIN)/fo-gym map pid-low --x f_s/f_c=1:2.5:24:linear --y v_s=1e-4:1e-1:24 --duration 40 --out docs/maps/friction
+
+publish-videos: $(VENV)/.dev system  ## film the two GIFs of the README, to docs/images/
+	$(BIN)/fo-gym render none pid-low pd-low pid-high --speed 2 --out docs/images/hunting.gif
+	$(BIN)/fo-gym render none pid-high --env FJRSquare-v0 --out docs/images/square.gif
 
 publish-bench: $(VENV)/.dev  ## measure the speed, write docs/bench/ and the table of docs/performance.md
 	$(BIN)/fo-gym bench --out docs/bench

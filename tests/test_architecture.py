@@ -55,6 +55,7 @@ FLOW = (
     ("fo_gym.evaluation.competitors",),
     ("fo_gym.evaluation.runs",),
     ("fo_gym.evaluation.results",),
+    ("fo_gym.plot",),
     ("fo_gym",),
     ("fo_gym.certificate", "fo_gym.tuning"),
     ("fo_gym.bench", "fo_gym.reproduction"),
