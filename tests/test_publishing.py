@@ -163,7 +163,7 @@ def test_the_package_says_where_the_project_is(tmp_path: Path) -> None:
         told = archive.read(name).decode()
     for line in ("Documentation, https://some.github.io/one/docs/", "Repository, https://github.com/Some/one"):
         assert f"Project-URL: {line}\n" in told
-    assert "](https://github.com/Some/one/raw/main/docs/images/environments.png)" in told
+    assert "](https://github.com/Some/one/raw/main/docs/images/square.gif)" in told
     assert re.findall(r"\]\((?!https://|#)[^)]*\)", told) == []
 
 

@@ -83,6 +83,8 @@ def map_figure(table: pd.DataFrame, x: str, y: str, metric: str, marks: Marks = 
     lost = np.isnan(values) & ~failed
     axis.pcolormesh(*edges, np.ma.masked_array(lost, ~lost), cmap=ListedColormap([_LOST]), rasterized=True)
     colour = Colorizer(*_colours(values, metric))
+    if isinstance(colour.norm, LogNorm):
+        values = np.maximum(values, 0.5 * float(colour.norm.vmin or 0.0))  # a logarithm of 0 would leave a hole
     image = axis.pcolormesh(*edges, np.ma.masked_invalid(values), colorizer=colour, rasterized=True)
     bar = figure.colorbar(image, ax=axis, label=title)
     if isinstance(image.norm, LogNorm):
