@@ -26,6 +26,7 @@ reproduce-quick: $(VENV)/.reproduce  ## the same with fewer random cases, to bui
 train: $(VENV)/.rl  ## train the learned compensators as they are shipped, to build/train/ (minutes; goes on after a kill)
 	$(BIN)/fo-gym train --out build/train/rl-residual
 	$(BIN)/fo-gym train --direct --segments 12 --out build/train/rl-direct
+	$(BIN)/fo-gym train --adaptive --out build/train/rl-adaptive
 
 # Every classical row with free gains, published or ours; the same budget for each.
 TUNED := pid-high pd-high letien-high pid-measured pd-measured kimchung supertwisting l1 eso kaneko feedforward \

@@ -106,6 +106,45 @@ def learned() -> str:
     return markdown(Ranking("", headings, cells))
 
 
+def adaptive() -> str:
+    """FRR of the adaptive compensator beside the best tuned classical row, from docs/learning/adaptive_scored.csv."""
+    cells = []
+    for _, row in _csv("docs/learning/adaptive_scored.csv").iterrows():
+        best, own, bound = row[row["best"]], row["rl-adaptive"], row["bound"]
+        gap = f"{(own - best) / (bound - best):.2f}" if row["variant"] == "hardware" else ""
+        metrics = (
+            " / ".join(f"{row[f'{metric} of {name}']:.2g}" for name in ("rl-adaptive", other))
+            for metric, other in (("hunting_ratio", "pid-high"), ("torque_roughness_ratio", "pid-tuned"))
+        )
+        shown = (f"{own:.4f}", f"{row['best']} {best:.4f}", f"{row['low']:+.4f} ... {row['high']:+.4f}")
+        cells.append([f"{row['env']}, {row['variant']}", *shown, f"{bound:.4f}", gap, *metrics])
+    headings = ["episodes", "rl-adaptive", "best classical", "paired difference, 95 %", "bound", "gap"]
+    return markdown(Ranking("", [*headings, "hunting, pid-high's", "torque roughness, pid-tuned's"], cells))
+
+
+def adaptive_outside() -> str:
+    """1 - FRR of the adaptive compensator and of the observer beneath it where nobody trained."""
+    cells = []
+    for _, row in _csv("docs/learning/adaptive_outside.csv").iterrows():
+        own, beneath = row["rl-adaptive"], row["the observer beneath"]
+        cells.append(
+            [row["case"], f"{row['env']}, {row['variant']}", f"{own:.4f}", f"{beneath:.4f}", f"{own / beneath:.2f}"]
+        )
+    return markdown(Ranking("", ["what", "episodes", "rl-adaptive", "the observer beneath", "ratio"], cells))
+
+
+def told() -> str:
+    """What the adaptive compensator leaves of zero and inertia error, by time."""
+    table = _csv("docs/learning/adaptive_told.csv").pivot(index="env", columns="time", values=["zero", "inertia"])
+    cells = [
+        [env, what, *(f"{value:.2f}" for value in table.loc[env, what])]
+        for env in table.index
+        for what in ("zero", "inertia")
+    ]
+    times = [f"{time:g} s" for time in table["zero"].columns]
+    return markdown(Ranking("", ["episodes", "of the", *times], cells))
+
+
 def outside() -> str:
     """1 - FRR inside and outside the training range, beside the observer that the policy is added to."""
     sweep = _csv("docs/learning/sweep.csv")
@@ -132,7 +171,7 @@ def ticks() -> str:
 def training() -> str:
     """How long the trainings of the shipped weights took, and how much of it the environment."""
     cells = []
-    for name in LEARNED:
+    for name in (*LEARNED, "rl-adaptive"):
         timing = _csv(f"baselines/rl/weights/{name}/timing.csv").sum()
         share = timing["environment_seconds"] / timing["seconds"]
         cells.append([name, f"{timing['seconds'] / 60:.1f} min", f"{100 * share:.0f} %"])
@@ -197,7 +236,15 @@ PAGES: dict[str, dict[str, Callable[[], str]]] = {
     "docs/baselines.md": {name: partial(measured, "baselines", name) for name in ("drift", "shares", "adaptive")},
     "docs/processors.md": {"tolerances": tolerances, "chaotic": chaotic},
     "docs/friction.md": {"laws": laws},
-    "docs/learning.md": {"learned": learned, "outside": outside, "ticks": ticks, "training": training},
+    "docs/learning.md": {
+        "learned": learned,
+        "outside": outside,
+        "ticks": ticks,
+        "training": training,
+        "told": told,
+        "adaptive": adaptive,
+        "adaptive outside": adaptive_outside,
+    },
 }
 """What stands between the marks of each name in each page."""
 

@@ -104,7 +104,7 @@ def outside(make: Make) -> pd.DataFrame:
 
 
 def told(make: Make) -> pd.DataFrame:
-    """Root mean square of what is left of zero and inertia error when they are corrected, as a share of both, by time."""
+    """Root mean square of what is left of zero and inertia error once corrected, as a share of both, by time."""
     rows = []
     for env_id in ENVIRONMENTS:
         seeds = evaluation_seeds("hardware", SEEDS)

@@ -65,7 +65,7 @@ def write_report(out: Path) -> None:
 
 def _page(card: Mapping[str, Any]) -> str:
     """The card as a page."""
-    plan, scores, course = card["plan"], card["validation"], card["course"]
+    plan, scores, course = card["plan"]["adaptive"], card["validation"], card["course"]
     lines = [
         "# Model card",
         "",

@@ -164,7 +164,8 @@ def train_adaptive(plan: AdaptivePlan, out: Path, *, on_steps: OnSteps | None = 
     Raises:
         ValueError: `out` holds another training.
     """
-    claim(out, {"adaptive": asdict(plan)})
+    settings = {"adaptive": asdict(plan)}
+    claim(out, settings)
     torch.set_num_threads(_THREADS)
     run = _Run(plan, out, on_steps or _silence)
     for segment in range(run.done):
@@ -183,7 +184,7 @@ def train_adaptive(plan: AdaptivePlan, out: Path, *, on_steps: OnSteps | None = 
         run.curve.append(row)
         run.timing.append({"segment": segment + 1, "seconds": learned - start, "environment_seconds": rolled - start})
         if row["frr_mean"] > best:
-            save_weights(out / POLICY, plan.design, run.model.weights(), card(asdict(plan), row))
+            save_weights(out / POLICY, plan.design, run.model.weights(), card(settings, row))
         run.keep(segment + 1)
         run.announce(f"segment {segment + 1} of {plan.segments}: validation FRR {row['frr_mean']:.4f}", 0)
     write_report(out)
