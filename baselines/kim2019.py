@@ -8,6 +8,8 @@ Measurements", arXiv:1907.00553. With e = theta_n - theta, the lag of the motor 
 
 In discrete time the integral is the sum of control_dt times the past ticks' e.
 
+Gains are numbers, or arrays that broadcast against (num_envs, dof): one value for each joint or environment.
+
 The two with measured feedback are the ablation: the same low-passes of tau_f, without what makes them come to rest.
 """
 
@@ -18,8 +20,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from baselines.gains import check_bandwidth, check_gain
+from baselines.gains import check_bandwidth, check_gains
 from fo_gym import JointInfo, Signals
+from fo_gym.checks import Value
 
 Array = NDArray[np.float64]
 
@@ -28,9 +31,11 @@ __all__ = [
     "MeasuredPIDObserver",
     "PDObserver",
     "PIDObserver",
+    "pd",
     "pd_high",
     "pd_low",
     "pd_measured",
+    "pid",
     "pid_high",
     "pid_low",
     "pid_measured",
@@ -48,11 +53,12 @@ class PDObserver:
     """
 
     feedback = "nominal"
+    array_gains = True
     search_space: ClassVar[dict[str, tuple[float, float]]] = {"L": (20.0, 400.0), "Lp": (4.0, 80.0)}
 
-    def __init__(self, L: float, Lp: float) -> None:
-        self.L = check_gain(self, "L", L)
-        self.Lp = check_gain(self, "Lp", Lp)
+    def __init__(self, L: Value, Lp: Value) -> None:
+        self.L = check_gains(self, "L", L)
+        self.Lp = check_gains(self, "Lp", Lp)
 
     def reset(self, joints: JointInfo, num_envs: int) -> None:
         """Start new episodes. Raises ValueError where L is too fast for the sampling."""
@@ -79,21 +85,23 @@ class PIDObserver:
     """
 
     feedback = "nominal"
+    array_gains = True
     search_space: ClassVar[dict[str, tuple[float, float]]] = {
         "L": (20.0, 400.0),
         "Lp": (4.0, 80.0),
         "Li": (1.0, 1600.0),
     }
 
-    def __init__(self, L: float, Lp: float, Li: float) -> None:
-        self.L = check_gain(self, "L", L)
-        self.Lp = check_gain(self, "Lp", Lp)
-        self.Li = check_gain(self, "Li", Li)
-        if not self.Lp**2 > 2.0 * self.Li:
-            raise ValueError(
-                f"PIDObserver: Lp^2 = {self.Lp**2:g} is not above 2 Li = {2 * self.Li:g}; "
-                f"raise Lp above {np.sqrt(2 * self.Li):.4g} or lower Li below {self.Lp**2 / 2:.4g}"
-            )
+    def __init__(self, L: Value, Lp: Value, Li: Value) -> None:
+        self.L = check_gains(self, "L", L)
+        self.Lp = check_gains(self, "Lp", Lp)
+        self.Li = check_gains(self, "Li", Li)
+        for lp, li in np.broadcast(self.Lp, self.Li):
+            if not lp**2 > 2.0 * li:
+                raise ValueError(
+                    f"PIDObserver: Lp^2 = {lp**2:g} is not above 2 Li = {2 * li:g}; "
+                    f"raise Lp above {np.sqrt(2 * li):.4g} or lower Li below {lp**2 / 2:.4g}"
+                )
 
     def reset(self, joints: JointInfo, num_envs: int) -> None:
         """Start new episodes with an empty integral. Raises ValueError where L is too fast for the sampling."""
@@ -123,7 +131,17 @@ class MeasuredPIDObserver(PIDObserver):
     feedback = "measured"
 
 
-# Gains of arXiv:1907.00553, section V; a keyword replaces one of them.
+# Gains of arXiv:1907.00553, section V; a keyword replaces one of them. In both of its sets L_p = L/5 and L_i = L^2/100.
+
+
+def pid(L: Value = 100.0, Lp: Value | None = None, Li: Value | None = None) -> PIDObserver:
+    """PID-type observer with any L, and what is not given in the proportions of the paper's gains."""
+    return PIDObserver(L, L / 5.0 if Lp is None else Lp, L**2 / 100.0 if Li is None else Li)
+
+
+def pd(L: Value = 100.0, Lp: Value | None = None) -> PDObserver:
+    """PD-type observer with any L, and what is not given in the proportions of the paper's gains."""
+    return PDObserver(L, L / 5.0 if Lp is None else Lp)
 
 
 def pid_low(L: float = 50.0, Lp: float = 10.0, Li: float = 25.0) -> PIDObserver:

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from fo_gym.bench.report import write_page
 from fo_gym.evaluation.metrics import METRICS
 from fo_gym.evaluation.metrics.registry import HEADLINE
 from fo_gym.evaluation.results.laws import finding as over_laws
@@ -17,8 +18,8 @@ from fo_gym.evaluation.results.tables import Ranking, explained, finding, markdo
 from fo_gym.evaluation.runs.episodes import SET, label_of
 from fo_gym.evaluation.runs.protocol import load_protocol
 from fo_gym.files import read_csv
-from fo_gym.reproduction.report import PLACES, counts, tolerance
-from fo_gym.reproduction.run import FAILS, HOLDS
+from fo_gym.reproduction.report import PLACES, counts
+from fo_gym.reproduction.wording import FAILS, HOLDS, tolerance
 
 ROOT = Path(__file__).parent.parent
 LEARNED = ("rl-residual", "rl-direct")
@@ -30,6 +31,12 @@ def leaderboard() -> str:
     table = _csv("leaderboard/leaderboard.csv")
     marks = explained(table)
     return markdown(summary(table)) + (f"\n{marks}\n" if marks else "")
+
+
+def one_variant() -> str:
+    """The same for the variant that comes closest to a robot alone."""
+    table = _csv("leaderboard/leaderboard.csv")
+    return markdown(summary(table[table["variant"] == "hardware"]))
 
 
 def hardware() -> str:
@@ -61,6 +68,17 @@ def claims() -> str:
     return f"What the paper says: {counts(table)}.\n\n{failed}"
 
 
+def panels() -> str:
+    """What the paper's simulation shows, as it was measured."""
+    table = _published("claims")
+    table = table[table["id"].str.startswith("panel-")]
+    cells = [
+        [row["statement"], row["measured"].partition(";")[0], f"{row['number']:.3g} {row['unit']}".strip()]
+        for row in table.to_dict("records")
+    ]
+    return markdown(Ranking("", ["what happens", "measured as", "number"], cells))
+
+
 def fidelity() -> str:
     """The certificate, by what the plant is held against."""
     table = _published("fidelity")
@@ -73,11 +91,11 @@ def fidelity() -> str:
 
 
 def speed() -> str:
-    """The ratios of docs/bench/bench.csv."""
-    table = _csv("docs/bench/bench.csv").dropna(subset="ratio")
-    columns = ["env", "measured", "beside", "num_envs", "ratio", "bar"]
+    """What docs/bench/bench.csv says of everything that has a bar."""
+    table = _csv("docs/bench/bench.csv").dropna(subset=["ratio", "bar"])
+    columns = ["env", "measured", "beside", "num_envs", "ratio", "bar", "verdict"]
     cells = [[_cell(row[column]) for column in columns] for row in table.to_dict("records")]
-    return markdown(Ranking("", ["environment", "measured", "beside", "environments", "ratio", "bar"], cells))
+    return markdown(Ranking("", ["environment", "measured", "beside", "environments", *columns[4:]], cells))
 
 
 def _cell(value: object) -> str:
@@ -106,45 +124,6 @@ def learned() -> str:
     return markdown(Ranking("", headings, cells))
 
 
-def adaptive() -> str:
-    """FRR of the adaptive compensator beside the best tuned classical row, from docs/learning/adaptive_scored.csv."""
-    cells = []
-    for _, row in _csv("docs/learning/adaptive_scored.csv").iterrows():
-        best, own, bound = row[row["best"]], row["rl-adaptive"], row["bound"]
-        gap = f"{(own - best) / (bound - best):.2f}" if row["variant"] == "hardware" else ""
-        metrics = (
-            " / ".join(f"{row[f'{metric} of {name}']:.2g}" for name in ("rl-adaptive", other))
-            for metric, other in (("hunting_ratio", "pid-high"), ("torque_roughness_ratio", "pid-tuned"))
-        )
-        shown = (f"{own:.4f}", f"{row['best']} {best:.4f}", f"{row['low']:+.4f} ... {row['high']:+.4f}")
-        cells.append([f"{row['env']}, {row['variant']}", *shown, f"{bound:.4f}", gap, *metrics])
-    headings = ["episodes", "rl-adaptive", "best classical", "paired difference, 95 %", "bound", "gap"]
-    return markdown(Ranking("", [*headings, "hunting, pid-high's", "torque roughness, pid-tuned's"], cells))
-
-
-def adaptive_outside() -> str:
-    """1 - FRR of the adaptive compensator and of the observer beneath it where nobody trained."""
-    cells = []
-    for _, row in _csv("docs/learning/adaptive_outside.csv").iterrows():
-        own, beneath = row["rl-adaptive"], row["the observer beneath"]
-        cells.append(
-            [row["case"], f"{row['env']}, {row['variant']}", f"{own:.4f}", f"{beneath:.4f}", f"{own / beneath:.2f}"]
-        )
-    return markdown(Ranking("", ["what", "episodes", "rl-adaptive", "the observer beneath", "ratio"], cells))
-
-
-def told() -> str:
-    """What the adaptive compensator leaves of zero and inertia error, by time."""
-    table = _csv("docs/learning/adaptive_told.csv").pivot(index="env", columns="time", values=["zero", "inertia"])
-    cells = [
-        [env, what, *(f"{value:.2f}" for value in table.loc[env, what])]
-        for env in table.index
-        for what in ("zero", "inertia")
-    ]
-    times = [f"{time:g} s" for time in table["zero"].columns]
-    return markdown(Ranking("", ["episodes", "of the", *times], cells))
-
-
 def outside() -> str:
     """1 - FRR inside and outside the training range, beside the observer that the policy is added to."""
     sweep = _csv("docs/learning/sweep.csv")
@@ -171,7 +150,7 @@ def ticks() -> str:
 def training() -> str:
     """How long the trainings of the shipped weights took, and how much of it the environment."""
     cells = []
-    for name in (*LEARNED, "rl-adaptive"):
+    for name in LEARNED:
         timing = _csv(f"baselines/rl/weights/{name}/timing.csv").sum()
         share = timing["environment_seconds"] / timing["seconds"]
         cells.append([name, f"{timing['seconds'] / 60:.1f} min", f"{100 * share:.0f} %"])
@@ -225,26 +204,16 @@ def measured(page: str, name: str) -> str:
 
 
 PAGES: dict[str, dict[str, Callable[[], str]]] = {
-    "README.md": {
-        "leaderboard": leaderboard,
-        "hardware": hardware,
-        "speed": speed,
-        "claims": claims,
-        "fidelity": fidelity,
-    },
+    "README.md": {"leaderboard": one_variant},
+    "docs/leaderboard.md": {"leaderboard": leaderboard, "hardware": hardware},
+    "docs/theory/hunting.md": {"panels": panels},
+    "docs/reproduction.md": {"claims": claims, "fidelity": fidelity},
+    "docs/performance.md": {"speed": speed},
     "docs/arm.md": {name: partial(measured, "arm", name) for name in ("verdicts", "randomized", "sensitivity")},
     "docs/baselines.md": {name: partial(measured, "baselines", name) for name in ("drift", "shares", "adaptive")},
     "docs/processors.md": {"tolerances": tolerances, "chaotic": chaotic},
     "docs/friction.md": {"laws": laws},
-    "docs/learning.md": {
-        "learned": learned,
-        "outside": outside,
-        "ticks": ticks,
-        "training": training,
-        "told": told,
-        "adaptive": adaptive,
-        "adaptive outside": adaptive_outside,
-    },
+    "docs/learning.md": {"learned": learned, "outside": outside, "ticks": ticks, "training": training},
 }
 """What stands between the marks of each name in each page."""
 
@@ -263,3 +232,4 @@ def page(name: str) -> str:
 if __name__ == "__main__":
     for name in PAGES:
         (ROOT / name).write_text(page(name), encoding="utf-8", newline="\n")
+    write_page(ROOT / "docs/bench")

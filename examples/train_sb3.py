@@ -1,29 +1,23 @@
 """Train an agent with Stable-Baselines3 on one environment: `python examples/train_sb3.py --steps 20000`.
 
 It needs the extra "rl": .venv/bin/pip install -c constraints.txt -e '.[rl]'. The agent acts at 100 Hz (`decimation`),
-and sees and acts on scaled numbers: the environment itself is in physical units.
+and sees and acts on scaled numbers, see `fo_gym.wrappers.AgentView`.
 """
 
 import argparse
 
 import gymnasium as gym
-import numpy as np
 from stable_baselines3 import PPO
 from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.monitor import Monitor
 
-import fo_gym
 from fo_gym.evaluation.runs.seeds import TRAINING_SEEDS, VALIDATION_SEEDS
+from fo_gym.wrappers import AgentView
 
 
-def make_env(seed: int, level: float = 3.0) -> gym.Env:
-    """The stiction task, seeded, with actions in [-1, 1] meaning +-`level` N, and observations in units of about 1."""
-    joint = fo_gym.FlexibleJoint(stiffness=3000.0, damping=0.0, motor_inertia=1.0, torque_limit=level)
-    env: gym.Env = gym.make("FJRStiction-v0", variant="randomized", decimation=10, duration=5.0, joints=joint)
-    scale = np.array([100.0, 100.0, 1.0, 100.0, 100.0, 100.0, 1.0, 1.0, 0.1])
-    space = gym.spaces.Box(-np.inf, np.inf, scale.shape, np.float64)
-    env = gym.wrappers.TransformObservation(env, lambda observation: scale * observation, space)
-    env = Monitor(gym.wrappers.RescaleAction(env, np.float64(-1.0), np.float64(1.0)))
+def make_env(seed: int) -> gym.Env:
+    """The stiction task as agents like it, seeded."""
+    env = Monitor(AgentView(gym.make("FJRStiction-v0", variant="randomized", decimation=10, duration=5.0)))
     env.reset(seed=seed)
     return env
 

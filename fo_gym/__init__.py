@@ -46,14 +46,17 @@ __all__ = [
     "evaluate",
     "list_compensators",
     "make_compensator",
+    "plot",
     "register",
     "sweep",
+    "trace",
 ]
 
 if TYPE_CHECKING:
+    from fo_gym import plot
     from fo_gym.envs.registration import register
     from fo_gym.evaluation.results.sweep import sweep
-    from fo_gym.evaluation.runs.evaluate import evaluate
+    from fo_gym.evaluation.runs.evaluate import evaluate, trace
     from fo_gym.robots import Robot
     from fo_gym.simulation.settings import Settings
     from fo_gym.tasks.hand import Hand
@@ -79,9 +82,12 @@ else:
         "Settings": "fo_gym.simulation.settings",
         "evaluate": "fo_gym.evaluation.runs.evaluate",
         "sweep": "fo_gym.evaluation.results.sweep",
+        "trace": "fo_gym.evaluation.runs.evaluate",
     }
 
     def __getattr__(name):
+        if name == "plot":
+            return import_module("fo_gym.plot")
         if name not in _LATER:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         globals()[name] = getattr(import_module(_LATER[name]), name)

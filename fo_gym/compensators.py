@@ -30,6 +30,7 @@ __all__ = [
     "Ideal",
     "NoCompensation",
     "declared_gains",
+    "has_array_gains",
     "has_learned",
     "is_privileged",
     "make_compensator",
@@ -50,6 +51,8 @@ class Compensator(Protocol):
         privileged: optional; True where it is to see the truth, as `Signals.truth` and `JointInfo.identified`. Such a
             one is a reference, not a competitor: tables show it and never rank it. It runs in the suite's own process:
             a class or an instance that is handed over, or the project's own. Without this attribute it sees nothing.
+        array_gains: optional; True where its gains may be arrays that broadcast against (num_envs, dof), so that one
+            instance serves a batch in which every environment has gains of its own: maps of gains are then quick.
     """
 
     feedback: str
@@ -212,8 +215,8 @@ def checked(candidate: Any, name: str) -> Compensator:
 
     Raises:
         ValueError: it is the reference `ideal` under another name.
-        TypeError: it lacks `feedback`, `reset` or `estimate`, or `learned` or `privileged` is no truth value; the
-            message shows what is needed.
+        TypeError: it lacks `feedback`, `reset` or `estimate`, or an optional attribute is no truth value; the message
+            shows what is needed.
     """
     if inspect.isclass(candidate) or not isinstance(candidate, Compensator):
         missing = [part for part in ("feedback", "reset", "estimate") if not hasattr(candidate, part)]
@@ -225,7 +228,7 @@ def checked(candidate: Any, name: str) -> Compensator:
         raise ValueError(f"compensator {name!r} is the reference 'ideal', not a competitor; name it 'ideal'")
     if candidate.feedback not in ("measured", "nominal"):
         raise TypeError(f"compensator {name!r}: feedback is {candidate.feedback!r}; allowed are 'measured', 'nominal'")
-    for optional in ("learned", "privileged"):
+    for optional in ("learned", "privileged", "array_gains"):
         if not isinstance(value := getattr(candidate, optional, False), bool):
             raise TypeError(f"compensator {name!r}: {optional} is {shown(value)}; give True or False, or leave it out")
     return candidate
@@ -239,6 +242,11 @@ def has_learned(compensator: Compensator) -> bool:
 def is_privileged(compensator: Compensator) -> bool:
     """Whether it is to see the truth, and so is a reference, as it says itself."""
     return bool(getattr(compensator, "privileged", False))
+
+
+def has_array_gains(compensator: Compensator) -> bool:
+    """Whether each environment may have gains of its own, as it says itself."""
+    return bool(getattr(compensator, "array_gains", False))
 
 
 def declared_gains(compensator: Any) -> dict[str, tuple[float, float, float]]:

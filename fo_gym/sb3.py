@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import gymnasium as gym
@@ -118,13 +118,22 @@ class VecEnvAdapter(VecEnv):
         return [found for _ in self._get_indices(indices)]
 
 
-def make_vec_env(env_id: str, num_envs: int, *, seed: int | None = None, **settings: Any) -> VecEnvAdapter:
+def make_vec_env(
+    env_id: str,
+    num_envs: int,
+    *,
+    seed: int | None = None,
+    wrapper: Callable[[VectorEnv[Any, Any, Any]], VectorEnv[Any, Any, Any]] | None = None,
+    **settings: Any,
+) -> VecEnvAdapter:
     """`num_envs` environments in one batch, as a Stable-Baselines3 VecEnv.
 
     Args:
         env_id: a registered environment, such as "FJRStiction-v0".
         num_envs: size of the batch.
         seed: environment i gets the seed `seed` + i at the first reset.
+        wrapper: makes of the vector environment what is adapted, such as `fo_gym.wrappers.vector.AgentView`; None
+            leaves it as it is.
         settings: arguments of the environment, see `fo_gym.Settings`.
 
     Raises:
@@ -132,7 +141,8 @@ def make_vec_env(env_id: str, num_envs: int, *, seed: int | None = None, **setti
     """
     text("env_id", env_id)
     seed = None if seed is None else seed_number("seed", seed)
-    venv = VecEnvAdapter(gym.make_vec(env_id, num_envs=num_envs, autoreset_mode=AutoresetMode.DISABLED, **settings))
+    env = gym.make_vec(env_id, num_envs=num_envs, autoreset_mode=AutoresetMode.DISABLED, **settings)
+    venv = VecEnvAdapter(env if wrapper is None else wrapper(env))
     if seed is not None:
         venv.seed(seed)
     return venv

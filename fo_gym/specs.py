@@ -64,18 +64,21 @@ def _is_own(entry: EntryPoint) -> bool:
 
 
 @lru_cache(maxsize=4)
-def _registered(read: Callable[..., Iterable[EntryPoint]], path: tuple[str, ...]) -> list[EntryPoint]:
-    """What is installed in the folders of `path`, read once: that takes far longer than to make a compensator."""
-    return sorted(read(group=GROUP), key=lambda entry: entry.name)
+def _registered(read: Callable[..., Iterable[EntryPoint]], path: tuple[str, ...]) -> list[tuple[EntryPoint, bool]]:
+    """What is installed in the folders of `path`, and whether it is the project's own.
+
+    It is read once: that takes far longer than to make a compensator.
+    """
+    return [(entry, _is_own(entry)) for entry in sorted(read(group=GROUP), key=lambda entry: entry.name)]
 
 
 def _plug_ins() -> dict[str, tuple[EntryPoint, ...]]:
     """Registered names and what each stands for; a name that two plug-ins claim has both, ours nobody else can."""
     found: dict[str, dict[str, EntryPoint]] = {}
     registered = _registered(entry_points, tuple(sys.path))
-    ours = {entry.name for entry in registered if _is_own(entry)}
-    for entry in registered:
-        if entry.name in BUILT_IN or (entry.name in ours and not _is_own(entry)):
+    ours = {entry.name for entry, own in registered if own}
+    for entry, own in registered:
+        if entry.name in BUILT_IN or (entry.name in ours and not own):
             warnings.warn(f"plug-in {entry.value!r} is ignored: the name {entry.name!r} is reserved", stacklevel=2)
             continue
         found.setdefault(entry.name, {})[entry.value] = entry

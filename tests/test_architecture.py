@@ -38,6 +38,7 @@ FLOW = (
     ("fo_gym.friction",),
     ("fo_gym.generators", "fo_gym.micro_steps", "fo_gym.parameters"),
     ("fo_gym.signals",),
+    ("fo_gym.scaling",),
     ("fo_gym.hardware",),
     ("fo_gym.robots",),
     ("fo_gym.plant",),
@@ -46,7 +47,7 @@ FLOW = (
     ("fo_gym.tasks",),
     ("fo_gym.simulation",),
     ("fo_gym.envs",),
-    ("fo_gym.files", "fo_gym.console", "fo_gym.sb3"),
+    ("fo_gym.files", "fo_gym.console", "fo_gym.sb3", "fo_gym.wrappers"),
     ("fo_gym.compensators",),
     ("fo_gym.evaluation", "fo_gym.protocols"),
     ("fo_gym.evaluation.episode",),
@@ -54,9 +55,11 @@ FLOW = (
     ("fo_gym.evaluation.competitors",),
     ("fo_gym.evaluation.runs",),
     ("fo_gym.evaluation.results",),
+    ("fo_gym.plot",),
     ("fo_gym",),
-    ("fo_gym.certificate", "fo_gym.bench", "fo_gym.tuning"),
-    ("fo_gym.reproduction",),
+    ("fo_gym.certificate", "fo_gym.tuning"),
+    ("fo_gym.bench", "fo_gym.reproduction"),
+    ("fo_gym.page",),
     ("fo_gym.cli", "baselines"),
 )
 LEVEL = {part: level for level, parts in enumerate(FLOW) for part in parts}
@@ -65,11 +68,15 @@ PUBLIC = (
     "fo_gym",
     "fo_gym.checks",
     "fo_gym.console",
+    "fo_gym.evaluation.results.statistics",
     "fo_gym.extras",
     "fo_gym.files",
     "fo_gym.friction",
     "fo_gym.hardware",
     "fo_gym.sb3",
+    "fo_gym.scaling",
+    "fo_gym.wrappers",
+    "fo_gym.wrappers.vector",
 )
 MODERN_RANDOM = {"Generator", "BitGenerator", "SeedSequence", "default_rng", "PCG64"}
 

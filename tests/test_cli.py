@@ -22,7 +22,7 @@ pytestmark = pytest.mark.usefixtures("short_episodes")
 SQUARE = "FJRSquare-v0"
 SIX = ("pid-low", "pid-high", "pd-low", "pd-high", "letien-low", "letien-high")
 FILES = {"episodes.csv", "leaderboard.csv", "timing.csv", "leaderboard.md", "processor.json"}
-FILES |= {"ranking.png", f"{SQUARE}.png"}
+FILES |= {f"ranking-{SQUARE}.png", f"{SQUARE}.png"}
 
 
 @pytest.fixture(scope="module")

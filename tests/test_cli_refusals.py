@@ -34,7 +34,7 @@ REFUSED = [
     ("sweep mine.py:Mine --gains L=1:2:3", "'mine.py:Mine' has no gain 'L'; it takes bandwidth, sign"),
     ("sweep pid-high --gains L=20:10:3", "L is '20:10:3'; give LOW below HIGH"),
     ("sweep pid-high --gains L=a,b", "L is 'a'; give a value as TOML has it"),
-    ("sweep pid-high --gains L=true,false", "L is 'true'; a sweep is over numbers"),
+    ("sweep pid-high --gains L=true,false", "L is 'true'; it is over numbers"),
     ("sweep pid-high --gains L=1,1.0", "L is '1,1.0'; it names a value twice"),
     ("sweep pid-high --gains Lp=1,2 --env FJRNothing-v0", "unknown environment 'FJRNothing-v0'"),
     ("leaderboard --quick --protocol full", "--quick and --protocol exclude each other"),

@@ -162,8 +162,8 @@ def test_files_of_the_same_name_stay_apart(folder: Path) -> None:
 
 
 def test_unknown_name_lists_the_registered() -> None:
-    with pytest.raises(ValueError, match=r"unknown compensator 'pid'.*none, ideal.*pid-high, pid-low.*file\.py:Class"):
-        make_compensator("pid")
+    with pytest.raises(ValueError, match=r"unknown compensator 'pit'.*none, ideal.*pid-high, pid-low.*file\.py:Class"):
+        make_compensator("pit")
 
 
 @pytest.mark.parametrize(

@@ -133,7 +133,7 @@ def test_reward_is_what_the_docstring_says(env_id):
         signals = fo_gym.Signals.from_observation(obs, env.simulation.dof)
         distance = np.sqrt(np.mean((signals.theta - signals.theta_d) ** 2))
         if env_id in TOOL_IDS:
-            (tool,) = env.simulation.plant.body.tool_position(info["q"][None])
+            (tool,) = env.simulation.plant.body.links.tool_position(info["q"][None])
             distance = np.linalg.norm(tool - signals.reference)
         roughness = np.mean(np.abs(info["tau_m"] - previous) / env.action_space.high)
         assert reward == pytest.approx((1.0 - 0.1 * roughness) / (1.0 + distance / accuracy), rel=1e-12)

@@ -11,7 +11,7 @@ import pytest
 from arms import SIX, arm, miro
 from scipy.integrate import solve_ivp
 
-from fo_gym.plant.rigid_body import ToolPose
+from fo_gym.plant.links import ToolPose
 from fo_gym.robots.poses import Poses
 from fo_gym.simulation.hands import Hands
 from fo_gym.tasks.draw import draw_scenario
@@ -79,11 +79,11 @@ class Mass:
 
     def __post_init__(self) -> None:
         self.q, self.q_dot = np.array([[0.01, -0.02, 0.03]]), np.array([[0.1, 0.0, -0.05]])
-        self.body = self
+        self.body = self.links = self
 
-    def tool_pose(self, q: np.ndarray) -> tuple[Any, None]:
+    def tool_pose(self, q: np.ndarray) -> ToolPose:
         jacobian = np.concatenate([np.eye(3), np.zeros((3, 3))])
-        return ToolPose(q.copy(), np.eye(3)[None], jacobian[None]), None
+        return ToolPose(q.copy(), np.eye(3)[None], jacobian[None])
 
     def step(self, force: np.ndarray) -> None:
         dt = self.control_dt

@@ -122,7 +122,7 @@ def test_a_push_and_a_hand_add_up() -> None:
     env = make(variant="nominal")
     env.reset(seed=0, options={"push": push})
     for tick in range(60):
-        jacobian = env.simulation.plant.body.tool_pose(env.simulation.plant.q)[0].jacobian[0, :3]
+        jacobian = env.simulation.plant.body.links.tool_pose(env.simulation.plant.q).jacobian[0, :3]
         *_, info = env.step(np.zeros(7))
         pushed = push["torque"] * np.sin(np.pi * (tick + 0.5) * 1e-3 / 0.2) ** 2
         np.testing.assert_allclose(info["tau_ext"], pushed + jacobian.T @ info["f_hand"], rtol=1e-9, atol=1e-12)

@@ -16,8 +16,9 @@ from fo_gym.cli import app
 from fo_gym.reproduction import run
 from fo_gym.reproduction.claims import CLAIMS
 from fo_gym.reproduction.figures import FIGURES, FigureSpec
-from fo_gym.reproduction.report import PLACES, page, tolerance, write_reproduction
+from fo_gym.reproduction.report import PLACES, page, write_reproduction
 from fo_gym.reproduction.run import PARTS, TABLES, reproduce, size, surprises
+from fo_gym.reproduction.wording import tolerance
 
 QUICK = Subject(control_dt=1e-3, quick=True)
 ROOT = Path(__file__).parents[1]

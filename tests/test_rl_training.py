@@ -196,6 +196,12 @@ class TestCommand:
         assert "compensator.py" in done.output
         assert load_policy(tmp_path / "run" / "policy.safetensors")[0].residual is False
 
+    def test_it_writes_tensorboards_logs(self, tmp_path):
+        plan = replace(SMALL, segments=1)
+        train(plan, tmp_path / "out", tensorboard=tmp_path / "logs")
+        (log,) = (tmp_path / "logs").rglob("events*")
+        assert b"segment/frr_mean" in log.read_bytes()
+
     def test_it_says_what_is_wrong(self, tmp_path):
         done = CliRunner().invoke(app, ["train", "--out", str(tmp_path), "--env", "CartPole-v1"])
         assert done.exit_code == 2

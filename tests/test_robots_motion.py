@@ -105,7 +105,9 @@ def test_inertia_gravity_and_tool_are_those_of_the_file(tmp_path: Path) -> None:
             original.at(q, np.zeros(robot.dof))
             np.testing.assert_allclose(body.gravity(q[None])[0], original.at(q, 0.0 * q)[1], rtol=1e-9, atol=1e-10)
             assert robot.tool is not None
-            np.testing.assert_allclose(body.tool_position(q[None])[0], original.tool(robot.tool), rtol=0, atol=1e-12)
+            np.testing.assert_allclose(
+                body.links.tool_position(q[None])[0], original.tool(robot.tool), rtol=0, atol=1e-12
+            )
 
 
 STIFF, MOTOR = 2e6, 0.05

@@ -166,7 +166,7 @@ def test_nominal_episodes_leave_a_trace(results: Results) -> None:
 
 def test_files(out: Path, protocol: Protocol, results: Results) -> None:
     texts = ["episodes.csv", "leaderboard.csv", "leaderboard.md", "processor.json", "timing.csv"]
-    pictures = [f"figures/{SQUARE}.png", "figures/ranking.png"]
+    pictures = [f"figures/{SQUARE}.png", f"figures/ranking-{SQUARE}.png"]
     found = sorted(path.relative_to(out).as_posix() for path in out.rglob("*") if path.is_file())
     assert found == sorted([*texts, *pictures])
     for picture in pictures:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import torch
@@ -73,7 +74,7 @@ ALGORITHMS = {
 }
 
 
-def make_model(algo: str, venv: VecEnvAdapter, steps: int, seed: int) -> BaseAlgorithm:
+def make_model(algo: str, venv: VecEnvAdapter, steps: int, seed: int, tensorboard: Path | None = None) -> BaseAlgorithm:
     """An untrained model whose actor is an odd function of its inputs.
 
     Args:
@@ -81,6 +82,7 @@ def make_model(algo: str, venv: VecEnvAdapter, steps: int, seed: int) -> BaseAlg
         venv: training environment.
         steps: actions of every agent in a segment; a rollout is no longer.
         seed: of the initial weights.
+        tensorboard: folder of TensorBoard's logs; None writes none.
     """
     algorithm = ALGORITHMS[algo]
     module, _, name = algorithm.source.partition(":")
@@ -89,7 +91,13 @@ def make_model(algo: str, venv: VecEnvAdapter, steps: int, seed: int) -> BaseAlg
         arguments["n_steps"] = min(arguments["n_steps"], steps)
         arguments["batch_size"] = min(arguments["batch_size"], arguments["n_steps"] * venv.num_envs)
     model = getattr(importlib.import_module(module), name)(
-        "MlpPolicy", venv, seed=seed, learning_rate=LEARNING_RATE, device="cpu", **arguments
+        "MlpPolicy",
+        venv,
+        seed=seed,
+        learning_rate=LEARNING_RATE,
+        device="cpu",
+        tensorboard_log=None if tensorboard is None else str(tensorboard),
+        **arguments,
     )
     with torch.no_grad():
         for layer in _actor(model):

@@ -25,12 +25,13 @@ def train(
         bool, typer.Option("--adaptive", help="The compensator with a memory, which has robots and tasks of its own.")
     ] = False,
     segments: Annotated[int | None, typer.Option(help="Segments to train for; by default the algorithm's own.")] = None,
+    tensorboard: Annotated[Path | None, typer.Option(help="Folder of TensorBoard's logs; none by default.")] = None,
 ) -> None:
     """Train a compensator for one joint, shared by all joints: a policy, or one that learns what is not friction.
 
     Validation and a checkpoint follow every segment; the best weights are kept as policy.safetensors, with a model
     card, the learning curve, and a compensator.py to score them with. Run the same command again to go on after a
-    kill. The shipped weights come from the first three commands below.
+    kill. The shipped weights come from the first two commands below.
 
     Examples:
         fo-gym train --out build/rl-residual
@@ -46,19 +47,24 @@ def train(
     check_folder("--out", out)
     try:
         if not adaptive:
-            best = _policy(out, env, algo, seed, direct, segments)
-        elif direct or (env, algo) != ("FJRStiction-v0", "ppo"):
-            raise Stop("--adaptive has robots, tasks and a way to learn of its own; leave --env, --algo, --direct out")
+            best = _policy(out, env, algo, seed, direct, segments, tensorboard)
+        elif direct or tensorboard is not None or (env, algo) != ("FJRStiction-v0", "ppo"):
+            raise Stop(
+                "--adaptive has robots, tasks and a way to learn of its own; leave --env, --algo, --direct and "
+                "--tensorboard out"
+            )
         else:
             best = _adaptive(out, seed, segments)
     except ModuleNotFoundError as error:
         raise Stop(f"{error}; install what `fo-gym train` needs with: {install_command('rl')}") from error
-    except ValueError as error:
+    except (ValueError, ImportError) as error:
         raise Stop(str(error)) from error
     tell_written([best, *(best.with_name(name) for name in ("card.md", "curve.csv", "curve.png", "compensator.py"))])
 
 
-def _policy(out: Path, env: str, algo: str, seed: int, direct: bool, segments: int | None) -> Path:
+def _policy(
+    out: Path, env: str, algo: str, seed: int, direct: bool, segments: int | None, tensorboard: Path | None
+) -> Path:
     """Train a policy; torch is heavy, and nothing else needs it."""
     from baselines.rl.algorithms import ALGORITHMS  # noqa: PLC0415
     from baselines.rl.course import course_of  # noqa: PLC0415
@@ -77,7 +83,7 @@ def _policy(out: Path, env: str, algo: str, seed: int, direct: bool, segments: i
         segments=algorithm.segments if segments is None else segments,
     )
     with progress_bar(plan.segments * plan.actions) as advance:
-        return run(plan, out, on_steps=advance)
+        return run(plan, out, on_steps=advance, tensorboard=tensorboard)
 
 
 def _adaptive(out: Path, seed: int, segments: int | None) -> Path:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from baselines.gains import check_bandwidth
 from baselines.rl.design import Design
 from fo_gym import JointInfo, Signals
+from fo_gym.scaling import torque_ratios
 
 Array = NDArray[np.float64]
 
@@ -37,7 +38,7 @@ class PolicyLoop:
         tau_f_hat = tau_pd - B L L_i int e + bound s action      (`residual`; else bound s action alone)
 
     so that nothing has to be known about the joint's friction: measured signals and B alone. Inputs are odd functions
-    of measured signals, each the arsinh of a ratio of torques:
+    of measured signals, each the arsinh of a ratio of torques, `fo_gym.scaling.torque_ratios` and others:
 
         rate       B L e' / s                          lag       B L L_p e / s
         integral   B L L_i int e / s                   imbalance B de'/s over the past action's time
@@ -85,16 +86,16 @@ class PolicyLoop:
         """The policy's inputs at this tick, (num_envs, dof, len(FEATURES)); asking changes nothing."""
         design, scale = self.design, self._scale
         unit = (design.L / scale) * self._inertia
-        e = signals.theta_n - signals.theta
+        ratios = torque_ratios(signals, unit, design.Lp, scale)
         e_dot = signals.theta_n_dot - signals.theta_dot
         features = np.empty((*scale.shape, len(FEATURES)))
-        features[..., 0] = unit * e_dot
-        features[..., 1] = (unit * design.Lp) * e
+        features[..., 0] = ratios.rate
+        features[..., 1] = ratios.lag
         features[..., 2] = (unit * design.Li) * self._integral
         features[..., 3] = self._inertia * (e_dot - self._rate_before) / (scale * design.period)
-        features[..., 4] = unit * signals.theta_dot
-        features[..., 5] = (unit * design.Lp) * (signals.theta - signals.theta_d)
-        features[..., 6] = (signals.tau_c - signals.tau_j) / scale
+        features[..., 4] = ratios.velocity
+        features[..., 5] = ratios.distance
+        features[..., 6] = ratios.drive
         features[..., 7] = self._estimate / scale
         np.arcsinh(features[..., :8], out=features[..., :8])
         features[..., 8] = self.action

@@ -83,7 +83,7 @@ def _validate(plan: Plan, compensator: LearnedCompensator) -> dict[str, float]:
     }
 
 
-def train(plan: Plan, out: Path, *, on_steps: OnSteps | None = None) -> Path:
+def train(plan: Plan, out: Path, *, on_steps: OnSteps | None = None, tensorboard: Path | None = None) -> Path:
     """Train, or go on training, in the folder `out`; returns the file of the best weights.
 
     The best are those with the largest mean FRR on the validation seeds of the plan's own environment.
@@ -93,6 +93,7 @@ def train(plan: Plan, out: Path, *, on_steps: OnSteps | None = None) -> Path:
         out: folder; holds policy.safetensors with its card, curve.csv, timing.csv, curve.png, compensator.py,
             checkpoint.pt.
         on_steps: called with a label and the number of actions that were taken since the last call.
+        tensorboard: folder of TensorBoard's logs; None writes none.
 
     Raises:
         ValueError: `out` holds another training.
@@ -100,7 +101,7 @@ def train(plan: Plan, out: Path, *, on_steps: OnSteps | None = None) -> Path:
     claim(out, asdict(plan))
     torch.set_num_threads(_THREADS)
     env = TrainingEnv(plan.env_id, plan.robots, plan.design)
-    model = make_model(plan.algo, VecEnvAdapter(env), plan.steps, plan.seed)
+    model = make_model(plan.algo, VecEnvAdapter(env), plan.steps, plan.seed, tensorboard)
     folder, announce = _Folder(out), on_steps or _silence
     done = load_checkpoint(folder.checkpoint, model)
     curve, timing = folder.table("curve", done), folder.table("timing", done)
@@ -122,6 +123,9 @@ def train(plan: Plan, out: Path, *, on_steps: OnSteps | None = None) -> Path:
         folder.keep("curve", curve)
         folder.keep("timing", timing)
         save_checkpoint(folder.checkpoint, model, segment + 1)
+        for name in ("reward", *scores):
+            model.logger.record(f"segment/{name}", row[name])
+        model.logger.dump(model.num_timesteps)
         announce(f"segment {segment + 1} of {plan.segments}: validation FRR {scores['frr_mean']:.4f}", 0)
     write_report(plan, out)
     return out / POLICY

@@ -1,8 +1,8 @@
-"""Measure what docs/learning.md says of `rl-adaptive`, into the tables beside this file.
+"""Measure what a trained adaptive compensator is worth, into tables beside this file.
 
-    python docs/learning/adaptive.py [WEIGHTS]
+    python docs/learning/adaptive.py WEIGHTS
 
-Validation seeds only; half an hour on two cores. WEIGHTS is a policy.safetensors other than the shipped one.
+Validation seeds only; half an hour on two cores. WEIGHTS is the policy.safetensors of a training.
 """
 
 from __future__ import annotations
@@ -19,8 +19,6 @@ import pandas as pd
 
 import fo_gym
 from baselines.rl.adaptive import AdaptiveCompensator
-from baselines.rl.adaptive.compensator import SHIPPED
-from baselines.rl.storage import POLICY
 from fo_gym import Dahl, ElastoPlastic, MaxwellSlip, Signals
 from fo_gym.evaluation.competitors.entry import competitor_of
 from fo_gym.evaluation.results.statistics import interquartile_mean, paired_difference
@@ -142,4 +140,4 @@ def main(weights: str | Path) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else SHIPPED / POLICY)
+    main(sys.argv[1])

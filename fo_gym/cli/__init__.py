@@ -19,6 +19,9 @@ from fo_gym.cli.bench import run_bench
 from fo_gym.cli.evaluate import run_evaluate
 from fo_gym.cli.leaderboard import run_leaderboard
 from fo_gym.cli.list import run_list
+from fo_gym.cli.map import run_map
+from fo_gym.cli.page import run_page
+from fo_gym.cli.render import run_render
 from fo_gym.cli.reproduce import run_reproduce
 from fo_gym.cli.robot import robot_commands
 from fo_gym.cli.sweep import run_sweep
@@ -85,8 +88,11 @@ _OWN: dict[str, Callable[..., None]] = {
     "list": run_list,
     "evaluate": run_evaluate,
     "sweep": run_sweep,
+    "map": run_map,
+    "render": run_render,
     "leaderboard": run_leaderboard,
     "verify": run_verify,
+    "page": run_page,
     "reproduce": run_reproduce,
     "bench": run_bench,
     "tune": run_tune,

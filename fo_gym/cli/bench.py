@@ -13,7 +13,7 @@ from rich.table import Table
 from fo_gym.console import Stop, check_folder, console, progress_bar, tell_written
 
 if TYPE_CHECKING:
-    import pandas as pd
+    from fo_gym.evaluation.results.tables import Ranking
 
 __all__ = ["run_bench"]
 
@@ -31,14 +31,17 @@ def run_bench(
     ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Tiny: shows that everything runs, not how fast.")] = False,
     out: Annotated[
-        Path | None, typer.Option(file_okay=False, help="Folder for bench.csv and bench.md; nothing is written else.")
+        Path | None,
+        typer.Option(file_okay=False, help="Folder for the tables, bench.md and growth.png; nothing is written else."),
     ] = None,
 ) -> None:
     """Measure the speed of the environments beside named peers, as ratios of the same run.
 
-    The peers: the same plant wholly in MuJoCo, Gymnasium's sync and async vector environments, and
-    Stable-Baselines3's SubprocVecEnv (needs the extra "rl"). A missed bar is shown and is no error: speed depends on
-    the machine. Close other programs first.
+    The peers: the same plant wholly in MuJoCo, at its usual step and at one that errs as little; SciPy's LSODA;
+    Gymnasium's sync and async vector environments and its Pusher-v5; Stable-Baselines3's SubprocVecEnv. Some need the
+    extra "bench"; what is not installed is not measured, and says so. Beside them: how times grow, memory, and the
+    parts of a whole leaderboard. A missed bar is shown and is no error: speed depends on the machine. Close other
+    programs first: it takes some ten minutes.
 
     Examples:
         fo-gym bench
@@ -48,8 +51,10 @@ def run_bench(
         fo-gym bench --quick
     """
     from fo_gym import ENVIRONMENTS
-    from fo_gym.bench.report import EXPLANATION, counts, write_bench
-    from fo_gym.bench.run import FULL, QUICK, bench, check_envs, count
+    from fo_gym.bench.measurement import RATIOS
+    from fo_gym.bench.report import EXPLANATION, counts, views, write_bench
+    from fo_gym.bench.run import bench, check_envs, measurements
+    from fo_gym.bench.size import FULL, QUICK
     from fo_gym.plant.plant import MAX_ENVS
 
     if num_envs is not None and num_envs > MAX_ENVS:
@@ -63,21 +68,22 @@ def run_bench(
         check_envs(env_ids)
     except ValueError as error:
         raise Stop(str(error)) from error
-    with progress_bar(count(env_ids, size)) as advance:
-        table = bench(env_ids, size, on_group=lambda label: advance(label, 1))
-    console.print(_view(table))
+    chosen = measurements(env_ids, size)
+    with progress_bar(len(chosen)) as advance:
+        results = bench(chosen, told=lambda label: advance(label, 1))
     console.print(EXPLANATION, highlight=False, markup=False)
-    console.print(counts(table), highlight=False)
+    for ranking, text in views(results):
+        console.print(_table(ranking))
+        console.print(text, highlight=False, markup=False)
+    console.print(counts(results[RATIOS]), highlight=False)
     if out is not None:
-        tell_written(write_bench(table, out))
+        tell_written(write_bench(results, out))
 
 
-def _view(table: pd.DataFrame) -> Table:
+def _table(ranking: Ranking) -> Table:
     from fo_gym.bench.bars import MISSES
-    from fo_gym.bench.report import view
 
-    ranking = view(table)
-    words = {"env", "measured", "beside", "verdict"}
+    words = {"env", "measured", "beside", "verdict", "note", "part"}
     shown = Table(title=ranking.title)
     for heading in ranking.headings:
         shown.add_column(escape(heading), justify="left" if heading in words else "right", overflow="fold")

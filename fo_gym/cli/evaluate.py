@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fo_gym.cli.gains import gains_of
+from fo_gym.cli.page import building
 from fo_gym.cli.view import print_rankings
 from fo_gym.cli.work import (
     STORE,
@@ -25,12 +26,13 @@ from fo_gym.cli.work import (
     robots_of,
     run_behind_bar,
     store_in,
+    working,
 )
 from fo_gym.console import Stop, check_folder, check_jobs, tell_written
 
 if TYPE_CHECKING:
     from fo_gym.evaluation.competitors.competitor import Competitor, Gains
-    from fo_gym.evaluation.runs.contest import Results
+    from fo_gym.evaluation.runs.contest import Contest, Results
     from fo_gym.evaluation.runs.protocol import Protocol
     from fo_gym.evaluation.runs.store import Store
 
@@ -69,6 +71,10 @@ def run_evaluate(
     out: Annotated[
         Path | None, typer.Option(file_okay=False, help="Folder for the CSV files, page and figures.")
     ] = None,
+    report: Annotated[
+        Path | None,
+        typer.Option(file_okay=False, help="Folder for a page about your compensator: what it wins and loses, traces."),
+    ] = None,
     traces: Traced = False,
     jobs: Jobs = -1,
     store: StoreFolder = STORE,
@@ -88,6 +94,8 @@ def run_evaluate(
 
         fo-gym evaluate pid-high --env FJRSquare-v0 --baselines none --out build/mine
 
+        fo-gym evaluate mine.py:Mine --variant randomized --report build/report
+
         fo-gym evaluate pid-high --env FJRRegulation-v0 --robot arm.urdf
 
         fo-gym evaluate pid-low --law MaxwellSlip
@@ -100,9 +108,11 @@ def run_evaluate(
     check_jobs(jobs)
     if traces and out is None:
         raise Stop("--traces are written beside the results; add --out DIR, or leave --traces out")
-    if out is not None:
-        check_folder("--out", out)
-    check_folder("--store", store)
+    for option, folder in (("--out", out), ("--report", report), ("--store", store)):
+        if folder is not None:
+            check_folder(option, folder)
+    if report is not None:
+        _check_report(compensators)
     try:
         given, others = _competitors(compensators, gains_of(gains or ()), name, baselines)
         names = tuple(competitor.name for competitor in (*given, *others))
@@ -111,17 +121,21 @@ def run_evaluate(
         protocol = Protocol("evaluate", "validation", count, (env,), (variant,), names, robots, laws)
     except (ValueError, OSError) as error:
         raise Stop(str(error)) from error
-    if out is not None:
+    if out is not None or report is not None:
         _check_ranking(names)
     for competitor in (*given, *others):
         with _telling(), competitor.playing(env, variant):
             pass  # what cannot be made says so before anything runs
-    results = _run((*given, *others), protocol, store_in(store, fresh=fresh), jobs, traced=traces)
+    kept = store_in(store, fresh=fresh)
+    contest = _contest((*given, *others), protocol, kept, traced=traces)
+    results = run_behind_bar([contest], protocol.stamp, kept, jobs)
     print_rankings(results)
     if out is not None:
         from fo_gym.evaluation.results.report import write_results
 
         tell_written(write_results(protocol, results, out, traced=traces))
+    if report is not None:
+        _write_report(results, contest, report, store_in(store, fresh=False), jobs)
     fail_if_failed(results, (competitor.name for competitor in given))
 
 
@@ -154,7 +168,7 @@ def _check_ranking(names: Sequence[str]) -> None:
         )
 
 
-def _run(everybody: Sequence[Competitor], protocol: Protocol, store: Store, jobs: int, *, traced: bool) -> Results:
+def _contest(everybody: Sequence[Competitor], protocol: Protocol, store: Store, *, traced: bool) -> Contest:
     """Everybody on the episodes of the protocol; who is not in the store yet meets the first moments before."""
     from fo_gym.evaluation.runs.contest import Contest, episodes_in
     from fo_gym.evaluation.runs.meeting import meet
@@ -168,8 +182,29 @@ def _run(everybody: Sequence[Competitor], protocol: Protocol, store: Store, jobs
         if store.load(episodes, competitor) is None:
             with _telling():
                 meet(competitor, episodes)
-    running = tuple(competitor for competitor in everybody if competitor.name not in BUILT_IN)
-    return run_behind_bar([Contest(episodes, running)], protocol.stamp, store, jobs)
+    return Contest(episodes, tuple(competitor for competitor in everybody if competitor.name not in BUILT_IN))
+
+
+def _check_report(compensators: Sequence[str]) -> None:
+    """Stop where a report cannot be written, before anything runs."""
+    if len(compensators) > 1:
+        raise Stop(f"--report is about one compensator; {len(compensators)} were given")
+    with building():
+        import fo_gym.page.build  # noqa: F401
+        from fo_gym.page.vendor import uplot
+
+        uplot()
+
+
+def _write_report(results: Results, contest: Contest, folder: Path, store: Store, jobs: int) -> None:
+    """The page about the first competitor, whose worst episodes are recorded with everybody in them."""
+    from fo_gym.page.build import report_of, report_plan
+
+    with building():
+        plan = report_plan(results, contest)
+        with working("joblib", jobs, None, plan.runs, f"; finished runs are kept in {store.folder}") as (workers, told):
+            page = report_of(plan, results, folder, backend=workers, store=store, on_run=told)
+        tell_written([page])
 
 
 @contextmanager

@@ -65,7 +65,7 @@ def run_reproduce(
 
 
 def _view(title: str, table: pd.DataFrame) -> Table:
-    from fo_gym.reproduction.report import number, tolerance
+    from fo_gym.reproduction.wording import number, tolerance
 
     view = Table(title=title)
     for heading in ("id", "number", "tolerance", "verdict"):

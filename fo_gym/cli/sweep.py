@@ -106,14 +106,13 @@ def _print(table: pd.DataFrame, gains: Sequence[str]) -> None:
 
 
 def _write(table: pd.DataFrame, gains: Sequence[str], out: Path) -> list[Path]:
+    from fo_gym.evaluation.results.style import save_figure
     from fo_gym.evaluation.results.sweep_figure import sweep_figure
-    from fo_gym.files import atomic, csv, draft_of
+    from fo_gym.files import atomic, csv
 
     written = [out / "sweep.csv"]
     atomic(written[0], csv(table))
     if len(gains) > 2:
         note(f"no figure: it is drawn over one gain or two, not {len(gains)}")
         return written
-    with draft_of(out / "sweep.png") as draft:
-        sweep_figure(table, gains).savefig(draft, dpi=110, metadata={"Software": None})
-    return [*written, out / "sweep.png"]
+    return [*written, *save_figure(sweep_figure(table, gains), out / "sweep")]

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from fo_gym.compiling import jit
 from fo_gym.parameters import ImpedanceGains, check_joints
-from fo_gym.plant.rigid_body import RigidBody
+from fo_gym.plant.links import Links
+from fo_gym.plant.screws import gravity_torque, motion_room, place, tool_column, tool_frame
 
 Array = NDArray[np.float64]
 
@@ -42,7 +43,7 @@ class Impedance:
 
     Args:
         gains: stiffness and damping of the parts; those of the elbow are the redundant joints'.
-        body: the link side as the controller knows it.
+        links: kinematics and gravity of the link side.
         redundant: indices of the joints that are held, each by itself, because the tool leaves them free.
         oriented: whether the tool's orientation is controlled, beside its position.
 
@@ -50,11 +51,9 @@ class Impedance:
         ValueError: the gains are for another number of redundant joints.
     """
 
-    def __init__(
-        self, gains: ImpedanceGains, body: RigidBody, redundant: Sequence[int], *, oriented: bool = True
-    ) -> None:
+    def __init__(self, gains: ImpedanceGains, links: Links, redundant: Sequence[int], *, oriented: bool = True) -> None:
         self.gains = gains
-        self.body = body
+        self.links = links
         self.redundant = np.array(redundant, dtype=np.intp)
         check_joints(gains, len(redundant))
         self._tool = np.array(
@@ -63,47 +62,101 @@ class Impedance:
         self._elbow = np.empty((len(redundant), 2))
         self._elbow[:, 0], self._elbow[:, 1] = gains.kp_elbow, gains.kd_elbow
 
-    def torque(self, theta: Array, theta_dot: Array, stiffness: Array, mass: Array, setpoint: TaskSetpoint) -> Array:
-        """Control torque tau_c, (num_envs, dof), N m.
+    def torque(
+        self,
+        theta: Array,
+        theta_dot: Array,
+        stiffness: Array,
+        mass: Array,
+        setpoint: TaskSetpoint,
+        tau_c: Array,
+        first: int,
+        last: int,
+    ) -> None:
+        """Write the control torque of the environments from `first` to `last`, which is not among them.
 
         Args:
             theta, theta_dot: measured or nominal motor, (num_envs, dof), rad and rad/s.
             stiffness: K_j as the controller knows it, (num_envs, dof), N m/rad.
-            mass: factor on the body's masses in what the controller knows, (num_envs, 1).
+            mass: factor on the masses of the robot's file, as the controller knows it, (num_envs,).
             setpoint: desired motion of the tool.
+            tau_c: out, (num_envs, dof), N m.
         """
-        pose, gravity = self.body.tool_pose(theta)
-        tau_c = mass * gravity
-        for _ in range(_STATICS_ITERATIONS - 1):
-            tau_c = mass * self.body.gravity(theta - tau_c / stiffness)
-        _add_impedance(tau_c, *pose, theta, theta_dot, *setpoint, self.redundant, self._tool, self._elbow)
-        return tau_c
+        links = self.links
+        known = links.joints, links.world, links.reference, stiffness, mass
+        _torques(*known, theta, theta_dot, *setpoint, self.redundant, self._tool, self._elbow, tau_c, first, last)
 
 
 @jit
-def _add_impedance(
-    tau_c, position, rotation, jacobian, theta, theta_dot, x_d, x_dot_d, rotation_d, held, redundant, tool, elbow
+def _task_errors(position, rotation, x_d, rotation_d, error):
+    """Where the tool is too far, (6,): position, and half the sum of desired axes x actual axes.
+
+    The second is the rotation vector of R R_d^T, to second order.
+    """
+    for k in range(3):
+        error[k] = position[k] - x_d[k]
+        a, b = (k + 1) % 3, (k + 2) % 3
+        turn = 0.0
+        for axis in range(3):
+            turn += rotation_d[a, axis] * rotation[b, axis] - rotation_d[b, axis] * rotation[a, axis]
+        error[3 + k] = 0.5 * turn
+
+
+@jit
+def _task_torque(error, rate, columns, tool, torque):
+    """J^T (-K_p e_x - K_d e_x') of the tool's rows that `tool` has gains for, into torque (dof,); J^T is `columns`."""
+    torque[:] = 0.0
+    for row in range(3 * len(tool)):
+        part = row // 3
+        force = -tool[part, 0] * error[row] - tool[part, 1] * rate[row]
+        for j in range(len(torque)):
+            torque[j] += columns[j, row] * force
+
+
+@jit
+def _torques(
+    joints,
+    world,
+    reference,
+    stiffness,
+    mass,
+    theta,
+    theta_dot,
+    x_d,
+    x_dot_d,
+    rotation_d,
+    held,
+    redundant,
+    tool,
+    elbow,
+    tau_c,
+    first,
+    last,
 ):
-    """Add J^T (-K_p e_x - K_d e_x') to tau_c, environment by environment, so that neighbours do not matter."""
-    num_envs, dof = theta.shape
-    error = np.empty(6)
-    for i in range(num_envs):
-        for k in range(3):
-            error[k] = position[i, k] - x_d[i, k]
-            # Half the sum of desired axes x actual axes: the rotation vector of R R_d^T, to second order.
-            a, b = (k + 1) % 3, (k + 2) % 3
-            turn = 0.0
-            for axis in range(3):
-                turn += rotation_d[a, axis] * rotation[i, b, axis] - rotation_d[b, axis] * rotation[i, a, axis]
-            error[3 + k] = 0.5 * turn
-        for row in range(3 * len(tool)):
-            part = row // 3
-            rate = -x_dot_d[i, row] if part == 0 else 0.0
-            for j in range(dof):
-                rate += jacobian[i, row, j] * theta_dot[i, j]
-            force = -tool[part, 0] * error[row] - tool[part, 1] * rate
-            for j in range(dof):
-                tau_c[i, j] += jacobian[i, row, j] * force
+    """The torque of `Impedance`, environment by environment, so that neighbours do not matter."""
+    dof = len(joints)
+    room, carried, columns = motion_room(dof), np.empty((dof + 1, 4)), np.empty((dof, 6))
+    position, rotation, error, rate = np.empty(3), np.empty((3, 3)), np.empty(6), np.empty(6)
+    q_bar, gravity = np.empty(dof), np.empty(dof)
+    for i in range(first, last):
+        place(joints, reference, theta[i], room)
+        tool_frame(joints, world, room, position, rotation)
+        _task_errors(position, rotation, x_d[i], rotation_d, error)
+        for row in range(6):
+            rate[row] = -x_dot_d[i, row] if row < 3 else 0.0
+        for j in range(dof):
+            tool_column(joints[j], room[j + 1], position, columns[j])
+            for row in range(6):
+                rate[row] += columns[j, row] * theta_dot[i, j]
+        _task_torque(error, rate, columns, tool, tau_c[i])
         for k in range(len(redundant)):
             j = redundant[k]
             tau_c[i, j] -= elbow[k, 0] * (theta[i, j] - held[k]) + elbow[k, 1] * theta_dot[i, j]
+        gravity_torque(joints, world, theta[i], mass[i], room, carried, gravity)
+        for _ in range(_STATICS_ITERATIONS - 1):
+            for j in range(dof):
+                q_bar[j] = theta[i, j] - gravity[j] / stiffness[i, j]
+            place(joints, reference, q_bar, room)
+            gravity_torque(joints, world, q_bar, mass[i], room, carried, gravity)
+        for j in range(dof):
+            tau_c[i, j] += gravity[j]

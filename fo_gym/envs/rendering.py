@@ -14,6 +14,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.envs.camera import Closeup, closeup_of
 from fo_gym.envs.window import Window
 from fo_gym.robots import Robot
 from fo_gym.simulation.simulation import Simulation
@@ -38,6 +39,8 @@ STEEL: Colour = (0.60, 0.63, 0.67, 1.0)
 HAND: Colour = (0.87, 0.64, 0.47, 1.0)
 
 _SHAPES = mujoco.mjtGeom
+_FOOT = np.array([0.0, -0.034, -0.028])
+"""Of the pointer of the single link's motor, where it meets the scale, as seen from the motor [m]."""
 _MOTOR = "motor"
 _SPRING = ("spring_motor", "spring_link")
 
@@ -153,8 +156,19 @@ class SceneRenderer:
             trace.clear()
         self._traced[:] = -self._trace_ticks
 
-    def frame(self, simulation: Simulation, i: int = 0) -> NDArray[np.uint8] | None:
-        """Draw environment i as it is now.
+    def followed(self, simulation: Simulation, i: int = 0) -> Array:
+        """What is worth a close-up in environment i: the foot of the motor's pointer, or the tool; (3,), m."""
+        if self._motor >= 0:
+            return self._on_rail(simulation.plant.theta[i]) + _FOOT
+        return self._tool_at(simulation.plant.q[i])
+
+    def closeup(self, points: Array, room: float = 1.4) -> Closeup:
+        """The view of these points (n, 3) [m] alone, with so much room around them."""
+        shape = self._width / self._height
+        return closeup_of(self._model, self._camera, points, shape, room)
+
+    def frame(self, simulation: Simulation, i: int = 0, closeup: Closeup | None = None) -> NDArray[np.uint8] | None:
+        """Draw environment i as it is now; an image, where asked for, as a close-up.
 
         Returns:
             Image (height, width, 3) of uint8 in the "rgb_array" mode; None in the "human" mode.
@@ -174,9 +188,14 @@ class SceneRenderer:
             return None
         if self._images is None:
             self._images = open_images(self._model, self._height, self._width)
+        camera: Any = -1 if self._camera is None else self._camera
+        own = self._model.vis.global_.fovy
+        if closeup is not None:
+            camera, self._model.vis.global_.fovy = closeup.camera, closeup.fovy
         # The headlight follows the camera of the update before: the second makes frames independent of each other.
         for _ in range(2):
-            self._images.update_scene(self._data, -1 if self._camera is None else self._camera)
+            self._images.update_scene(self._data, camera)
+        self._model.vis.global_.fovy = own
         self._decorate(self._images.scene, simulation, i)
         image: NDArray[np.uint8] = self._images.render()
         return image

@@ -11,21 +11,10 @@ from collections.abc import Callable
 from typing import Any
 
 import mujoco
-import numpy as np
+
+from fo_gym.envs.camera import free_camera
 
 __all__ = ["Window"]
-
-
-def _free_camera(model: mujoco.MjModel, data: mujoco.MjData, name: str) -> mujoco.MjvCamera:
-    """A camera that the mouse can move, starting with the view of the robot file's camera."""
-    fixed = data.camera(name)
-    forward = -fixed.xmat.reshape(3, 3)[:, 2]
-    free = mujoco.MjvCamera()
-    free.distance = np.linalg.norm(model.stat.center - fixed.xpos)
-    free.lookat = fixed.xpos + free.distance * forward
-    free.azimuth = np.rad2deg(np.arctan2(forward[1], forward[0]))
-    free.elevation = np.rad2deg(np.arcsin(forward[2]))
-    return free
 
 
 def _check_display() -> None:
@@ -52,7 +41,7 @@ class Window:
         self._handle = viewer.launch_passive(model, data, show_left_ui=False, show_right_ui=False)
         threads = [thread for thread in threading.enumerate() if thread not in before]
         if camera is not None:
-            start = _free_camera(model, data, camera)
+            start = free_camera(model, data, camera)
             with self._handle.lock():
                 for name in ("distance", "lookat", "azimuth", "elevation"):
                     setattr(self._handle.cam, name, getattr(start, name))

@@ -60,8 +60,11 @@ class LoadFriction(Effect):
         """See Effect."""
         tau_j, tau_m = episodes.truth.tau_j, episodes.memory["tau_m"]
         both = np.abs(self.motor * tau_m + self.gain * tau_j)
-        squared = np.where(
-            np.abs(tau_m) > np.abs(tau_j), self.quadratic_load * tau_j**2, self.quadratic_motor * tau_m**2
-        )
-        stiction = np.abs(self.stiction_motor * tau_m + self.stiction_load * tau_j)
-        return FrictionChange(added=both, stiction=stiction + np.where(tau_m * tau_j > 0.0, squared, 0.0))
+        stiction: Array | float = 0.0
+        if self.stiction_motor or self.stiction_load:
+            stiction = np.abs(self.stiction_motor * tau_m + self.stiction_load * tau_j)
+        if self.quadratic_motor or self.quadratic_load:
+            holds = np.abs(tau_m) > np.abs(tau_j)
+            squared = np.where(holds, self.quadratic_load * tau_j**2, self.quadratic_motor * tau_m**2)
+            stiction = stiction + np.where(tau_m * tau_j > 0.0, squared, 0.0)
+        return FrictionChange(added=both, stiction=stiction)

@@ -1,37 +1,24 @@
-"""The link side, batched: inertia, bias, gravity and tool kinematics from MuJoCo."""
+"""The link side, batched: inertia and bias from MuJoCo, for links of other masses in every environment."""
 
 from __future__ import annotations
 
 import os
-from typing import Any, NamedTuple
+from typing import Any
 
 import mujoco
 import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import NDArray
 
+from fo_gym.plant.links import Links
 from fo_gym.robots import LinkSide
 
 Array = NDArray[np.float64]
 Ids = NDArray[np.intp] | None
 
-_POSITION_STAGE, _VELOCITY_STAGE = int(mujoco.mjtStage.mjSTAGE_POS), int(mujoco.mjtStage.mjSTAGE_VEL)
+_VELOCITY_STAGE = int(mujoco.mjtStage.mjSTAGE_VEL)
 
-__all__ = ["RigidBody", "ToolPose"]
-
-
-class ToolPose(NamedTuple):
-    """Tool frame in the world.
-
-    Attributes:
-        position: (n, 3), m.
-        rotation: (n, 3, 3), columns are the tool's axes.
-        jacobian: (n, 6, dof), rows are linear, then angular velocity, per joint velocity.
-    """
-
-    position: Array
-    rotation: Array
-    jacobian: Array
+__all__ = ["RigidBody"]
 
 
 class RigidBody:
@@ -44,6 +31,7 @@ class RigidBody:
         link_side: what was loaded.
         num_threads: of MuJoCo.
         model: the compiled MuJoCo model.
+        links: its kinematics and gravity, with the masses of the file.
         damping: of the file's own dampers at the joints, (dof,) [N s/m | N m s/rad]: they are the kernel's, which takes
             them implicitly, and no part of the bias.
         layout: (row_nonzeros, row_start, columns) of the sparse lower triangle in which `dynamics` gives M.
@@ -57,6 +45,7 @@ class RigidBody:
         self.num_envs = num_envs
         self.num_threads = num_threads
         self.model = link_side.model
+        self.links = Links(link_side)
         self.damping = self.model.dof_damping.copy()
         self.model.dof_damping[:] = 0.0
         self.mass_scale = np.ones(num_envs)
@@ -71,11 +60,6 @@ class RigidBody:
         self._bias = self._batch.bind("qfrc_bias")
         self._passive = self._batch.bind("qfrc_passive")
         self.inputs, self.outputs = (self._qpos, self._qvel), (self._bias, self._passive, self._inertia)
-        if self.link_side.tool is not None:
-            site = self.model.site(self.link_side.tool)
-            self._tool_body = int(site.bodyid[0])
-            self._tool_position = self._batch.bind("site_xpos")[:, site.id]
-            self._tool_rotation = self._batch.bind("site_xmat")[:, site.id].reshape(-1, 3, 3)
         self._mass = self._batch.expand("body_mass")
         self._body_inertia = self._batch.expand("body_inertia")
         self.scale_mass(self.mass_scale)
@@ -87,6 +71,7 @@ class RigidBody:
             "num_envs": self.num_envs,
             "num_threads": self.num_threads,
             "model": self.model,
+            "links": self.links,
             "damping": self.damping,
             "mass_scale": self.mass_scale,
         }
@@ -118,14 +103,6 @@ class RigidBody:
         self._body_inertia[rows] = self.model.body_inertia * self.mass_scale[rows, None, None]
         self._batch.set_const(ids)
 
-    def _forward(self, q: Array, q_dot: Array | float, ids: Ids, stage: int = _VELOCITY_STAGE) -> Any:
-        self._check_process()
-        rows = slice(None) if ids is None else ids
-        self._qpos[rows] = q
-        self._qvel[rows] = q_dot
-        self._batch.forward(ids, stage)
-        return rows
-
     def forward(self) -> None:
         """What `dynamics` gives, for all environments at `inputs`, into `outputs`."""
         self._check_process()
@@ -138,7 +115,10 @@ class RigidBody:
             M as a sparse lower triangle, (n, nonzeros), laid out as in `layout`; C q_dot + g less the file's own
             joint springs, (n, dof), N or N m.
         """
-        rows = self._forward(q, q_dot, ids)
+        self._check_process()
+        rows = slice(None) if ids is None else ids
+        self._qpos[rows], self._qvel[rows] = q, q_dot
+        self._batch.forward(ids, _VELOCITY_STAGE)
         return self._inertia[rows], self._bias[rows] - self._passive[rows]
 
     def dense_inertia(self, q: Array, ids: Ids = None) -> Array:
@@ -157,22 +137,4 @@ class RigidBody:
 
     def gravity(self, q: Array, ids: Ids = None) -> Array:
         """Torque g(q), (n, dof), N or N m, that holds the links still: gravity, less the file's own joint springs."""
-        rows = self._forward(q, 0.0, ids)
-        return np.asarray(self._bias[rows] - self._passive[rows])
-
-    def tool_position(self, q: Array) -> Array:
-        """Tool position in the world at q (num_envs, dof): (num_envs, 3), m."""
-        self._forward(q, 0.0, None, _POSITION_STAGE)
-        return self._tool_position.copy()
-
-    def tool_pose(self, q: Array, ids: Ids = None) -> tuple[ToolPose, Array]:
-        """Tool frame and Jacobian, and the gravity torque that comes with them, at q (n, dof).
-
-        Returns:
-            The pose; g(q), (n, dof).
-        """
-        gravity = self.gravity(q, ids)
-        rows = slice(None) if ids is None else ids
-        position = self._tool_position[rows].copy()
-        linear, angular = self._batch.jac(self._tool_body, position, ids)
-        return ToolPose(position, self._tool_rotation[rows].copy(), np.concatenate([linear, angular], axis=1)), gravity
+        return self.links.gravity(q, self.mass_scale if ids is None else self.mass_scale[ids])

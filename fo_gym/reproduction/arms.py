@@ -12,7 +12,7 @@ from fo_gym.certificate.cases import ARM
 from fo_gym.compensators import Compensator
 from fo_gym.evaluation.competitors.team import Team, alike
 from fo_gym.friction import LuGre
-from fo_gym.plant.rigid_body import RigidBody
+from fo_gym.plant.links import Links
 from fo_gym.signals import Signals
 from fo_gym.simulation.settings import Settings
 from fo_gym.simulation.simulation import Simulation
@@ -50,7 +50,7 @@ class Arm:
 
     def tool(self) -> Array:
         """The tool's path, (samples, 3) [m]."""
-        return RigidBody(ARM.link_side, len(self.q)).tool_position(self.q)
+        return Links(ARM.link_side).tool_position(self.q)
 
 
 def run_arms(

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
 from fo_gym.files import atomic, csv
 from fo_gym.reproduction.figures import FIGURES
-from fo_gym.reproduction.run import FAILS, HOLDS, Reproduction
+from fo_gym.reproduction.run import Reproduction
+from fo_gym.reproduction.wording import FAILS, HOLDS, number, tolerance
 from fo_gym.text import markdown_code, markdown_table, markdown_text
 
 PLACES = {"claims": "paper/claims", "fidelity": "fidelity"}
@@ -27,21 +27,7 @@ _INTRODUCTION = {
     "the number lies within the tolerance.\n",
 }
 
-__all__ = ["PLACES", "counts", "number", "page", "tolerance", "write_reproduction"]
-
-
-def tolerance(low: float, high: float) -> str:
-    """An interval as text; NaN is an open end."""
-    if np.isnan(low) and np.isnan(high):
-        return "-"
-    if np.isnan(low):
-        return f"≤ {high:.4g}"
-    return f"≥ {low:.4g}" if np.isnan(high) else f"{low:.4g} to {high:.4g}"
-
-
-def number(value: float, unit: str) -> str:
-    """A number with its unit; "-" where nothing was measured."""
-    return "-" if np.isnan(value) else f"{value:.4g} {unit}".strip()
+__all__ = ["PLACES", "counts", "page", "write_reproduction"]
 
 
 def counts(table: pd.DataFrame) -> str:

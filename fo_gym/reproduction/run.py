@@ -17,15 +17,13 @@ from fo_gym.certificate.subject import Subject
 from fo_gym.evaluation.runs.provenance import versions
 from fo_gym.reproduction.claims import CLAIMS
 from fo_gym.reproduction.figures import FIGURES, draw
+from fo_gym.reproduction.wording import FAILS, HOLDS, NOT_MEASURED
 
 TABLES = {"claims": CLAIMS, "fidelity": CHECKS}
 """The two tables by name."""
 
 PARTS = ("claims", "fidelity", "figures")
 """What a reproduction consists of."""
-
-HOLDS, FAILS, NOT_MEASURED = "holds", "fails", "not measured"
-"""Verdicts."""
 
 # What shares simulations is run in one process: the long runs of the simulation, and those of the arm.
 _SHARED = {
@@ -36,7 +34,7 @@ _SHARED = {
 _Result = Finding | list[Path] | str
 """What an item yields: a finding, the files of a figure, or the error that kept it from either."""
 
-__all__ = ["FAILS", "HOLDS", "NOT_MEASURED", "PARTS", "TABLES", "Reproduction", "reproduce", "size", "surprises"]
+__all__ = ["PARTS", "TABLES", "Reproduction", "reproduce", "size", "surprises"]
 
 
 @dataclass(frozen=True)

@@ -188,6 +188,7 @@ def link_side_of(
         if joint.name not in joints:
             spec.delete(joint)
     spec.option.disableflags |= _OFF
+    spec.option.wind = [0.0, 0.0, 0.0]
     spec.option.enableflags = 0
     model = spec.compile()
     if weld(model, whole, joints, frozen):

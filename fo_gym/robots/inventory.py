@@ -123,6 +123,8 @@ def note_the_rest(
         notes.taken("gravcomp", "the weight of bodies is balanced, as the file says")
     if whole.opt.density > 0.0 or whole.opt.viscosity > 0.0:
         notes.taken("medium", "its drag acts on the links")
+    if np.any(whole.opt.wind):
+        notes.dropped("wind", "the medium is still: no torque of a controller balances a wind")
     if not np.any(whole.opt.gravity):
         notes.taken("gravity", "none, as the file says")
     for elements, count in counts(spec).items():

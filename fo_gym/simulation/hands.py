@@ -84,7 +84,7 @@ class Hands:
         if idle.all():
             return
         plant = self.plant
-        pose, _ = plant.body.tool_pose(plant.q)
+        pose = plant.body.links.tool_pose(plant.q)
         after = (ticks - self._grip) * plant.control_dt
         gone = (ticks - self._let_go) * plant.control_dt
         force = np.zeros_like(self.force)

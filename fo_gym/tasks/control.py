@@ -79,8 +79,8 @@ class TaskControl(ABC):
 
 
 def believed(scenarios: Sequence[Scenario]) -> tuple[Array, Array]:
-    """What the controller knows: factor on the true masses (n, 1), and K_j (n, dof)."""
-    mass = np.array([[scenario.believed_mass] for scenario in scenarios])
+    """What the controller knows: factor on the masses of the robot's file (n,), and K_j (n, dof)."""
+    mass = np.array([scenario.mass_scale * scenario.believed_mass for scenario in scenarios])
     return mass, np.array([scenario.believed.stiffness for scenario in scenarios])
 
 
@@ -108,18 +108,17 @@ class PathStatics:
     Args:
         plant: the batch.
         q_d: desired links at every tick, (ticks, dof), m | rad; the last row holds for ever.
-        gravity: g(q_d) with the masses of the file, (ticks, dof), N | N m.
 
     Attributes:
         row: of the table, at the current ticks, (num_envs,).
-        mass, stiffness: factor on the true masses (num_envs, 1), and K_j (num_envs, dof), as the controller knows them.
+        mass, stiffness: see `believed`, (num_envs,) and (num_envs, dof).
         gravity: g(q_d) with the masses of each episode, (num_envs, dof), N | N m.
     """
 
-    def __init__(self, plant: FlexibleJointPlant, q_d: Array, gravity: Array) -> None:
-        self._table = np.ascontiguousarray(q_d), gravity
-        self._mass_scale = np.ones((plant.num_envs, 1))
-        self.mass = np.ones((plant.num_envs, 1))
+    def __init__(self, plant: FlexibleJointPlant, q_d: Array) -> None:
+        springs = plant.body.links.gravity(q_d, 0.0)
+        self._table = np.ascontiguousarray(q_d), springs, plant.body.links.gravity(q_d) - springs
+        self.mass = np.ones(plant.num_envs)
         self.stiffness = plant.stiffness.copy()
         self.row = np.zeros(plant.num_envs, dtype=np.int64)
         self.gravity = np.zeros((plant.num_envs, plant.dof))
@@ -127,19 +126,17 @@ class PathStatics:
     def reset(self, ids: Ids, scenarios: Sequence[Scenario]) -> None:
         """Take the scenarios of new episodes."""
         self.mass[ids], self.stiffness[ids] = believed(scenarios)
-        self._mass_scale[ids, 0] = [scenario.mass_scale for scenario in scenarios]
-        self._mass_scale[ids] *= self.mass[ids]
 
     def update(self, ticks: Ticks, theta_d: Array) -> None:
         """Move to these control ticks, (num_envs,), and write the desired motors, (num_envs, dof), m | rad."""
-        _statics(ticks, *self._table, self._mass_scale, self.stiffness, self.row, self.gravity, theta_d)
+        _statics(ticks, *self._table, self.mass, self.stiffness, self.row, self.gravity, theta_d)
 
 
 @jit
-def _statics(ticks, table_q_d, table_gravity, mass_scale, stiffness, row, gravity, theta_d):
+def _statics(ticks, table_q_d, springs, weight, mass, stiffness, row, gravity, theta_d):
     num_envs, dof = theta_d.shape
     for i in range(num_envs):
         row[i] = min(ticks[i], len(table_q_d) - 1)
         for j in range(dof):
-            gravity[i, j] = table_gravity[row[i], j] * mass_scale[i, 0]
+            gravity[i, j] = springs[row[i], j] + mass[i] * weight[row[i], j]
             theta_d[i, j] = table_q_d[row[i], j] + gravity[i, j] / stiffness[i, j]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -15,8 +14,7 @@ from fo_gym.control.design import designed_pd
 from fo_gym.control.motor_pd import MotorPD
 from fo_gym.parameters import PDGains, check_joints
 from fo_gym.plant import FlexibleJointPlant
-from fo_gym.plant.rigid_body import RigidBody
-from fo_gym.robots import LinkSide, Robot
+from fo_gym.robots import Robot
 from fo_gym.tasks.control import PathStatics, TaskControl, Ticks, joint_distance
 from fo_gym.tasks.joint_fit import fitted_sinusoids
 from fo_gym.tasks.kinematics import path_ticks
@@ -107,15 +105,6 @@ class JointPath:
         return self.amplitude * envelope * swing, self.amplitude * (envelope * velocity + swelling * swing)
 
 
-@lru_cache(maxsize=8)
-def _gravity(link_side: LinkSide, _stamp: tuple[int, int], poses: bytes) -> Array:
-    """g(q) at the rows of an array (n, dof), N or N m."""
-    q = np.frombuffer(poses).reshape(-1, link_side.dof)
-    body = RigidBody(link_side, min(_CHUNK, len(q)))
-    chunks = [q[start : start + _CHUNK] for start in range(0, len(q), _CHUNK)]
-    return np.concatenate([body.gravity(chunk, np.arange(len(chunk))) for chunk in chunks])
-
-
 class JointPathControl(TaskControl):
     """tau_c = -K_p (theta_* - theta_d) - K_d (theta_*' - q_d') + g(q_d), theta_d = q_d + K_j^-1 g(q_d).
 
@@ -128,8 +117,7 @@ class JointPathControl(TaskControl):
         offset, self._velocity = path.at(np.arange(ticks, dtype=np.float64) * plant.control_dt)
         self._q_d = robot.home + offset
         self._law = MotorPD(gains, robot.dof)
-        links = robot.link_side
-        self._statics = PathStatics(plant, self._q_d, _gravity(links, links.stamp, self._q_d.tobytes()))
+        self._statics = PathStatics(plant, self._q_d)
 
     def reset(self, ids: Ids, scenarios: Sequence[Scenario]) -> None:
         """See TaskControl."""

@@ -8,7 +8,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.plant.rigid_body import RigidBody, ToolPose
+from fo_gym.plant.links import Links, ToolPose
 from fo_gym.robots.link_side import LinkSide
 from fo_gym.robots.poses import tool_rows
 
@@ -37,7 +37,7 @@ class TimedPath(Protocol):
 
 
 class PathTable(NamedTuple):
-    """A path, tick by tick, for a robot with the masses of its file.
+    """A path, tick by tick.
 
     Attributes:
         position: desired tool position, (ticks, 3), m; the last row holds for ever.
@@ -45,7 +45,6 @@ class PathTable(NamedTuple):
         rotation: desired tool orientation, constant, (3, 3).
         held: desired positions of the redundant joints, constant, (redundant,), m | rad.
         q_d: joint positions that do all this, continued from the start pose, (ticks, dof), m | rad.
-        gravity: g(q_d), (ticks, dof), N | N m.
     """
 
     position: Array
@@ -53,7 +52,6 @@ class PathTable(NamedTuple):
     rotation: Array
     held: Array
     q_d: Array
-    gravity: Array
 
 
 def _orientation_error(rotation: Array, desired: Array) -> Array:
@@ -94,9 +92,9 @@ class ToolKinematics:
                 f"redundant joints are {tuple(redundant)}; a tool path of a robot with {robot.dof} joints needs "
                 f"{robot.dof - self.rows} of {robot.joints}, each once"
             )
-        self.body = RigidBody(robot, count)
+        self.links = Links(robot)
         self.q_start = q_start
-        self.start, _ = self.body.tool_pose(np.tile(q_start, (count, 1)))
+        self.start = self.links.tool_pose(np.tile(q_start, (count, 1)))
         self.held = np.array([robot.joints.index(name) for name in redundant], dtype=np.intp)
         self._held_rows = np.zeros((count, len(self.held), robot.dof))
         self._held_rows[:, np.arange(len(self.held)), self.held] = 1.0
@@ -118,7 +116,7 @@ class ToolKinematics:
         residual = np.full(q.shape, np.inf)
         for size in (0.25, 0.5, 0.75, 1.0, 1.0, 1.0):
             for _ in range(3):
-                pose, _ = self.body.tool_pose(q)
+                pose = self.links.tool_pose(q)
                 residual = np.concatenate(
                     [
                         pose.position - self.start.position - size * offset,
@@ -165,6 +163,4 @@ def path_table(robot: LinkSide, path: TimedPath, q_start: Array, dt: float, redu
     if not off.max() < MAX_RESIDUAL:
         raise ValueError(f"inverse kinematics of the path ends {off.max():.2g} m or rad off: out of reach")
     start = tool.start
-    return PathTable(
-        start.position + offset, velocity, start.rotation[0], q_start[tool.held], q_d, tool.body.gravity(q_d)
-    )
+    return PathTable(start.position + offset, velocity, start.rotation[0], q_start[tool.held], q_d)

@@ -100,7 +100,7 @@ def _fitted(
     """What `fitted_square` gives, kept: an environment that is made again asks again."""
     planes, home = _planes() if plane is None else [plane], np.array(at)
     tool = ToolKinematics(links, home, redundant, len(planes) * 4 * _PER_SIDE)
-    poses = Poses(tool.body.model, links.tool)
+    poses = Poses(links.model, links.tool)
     reach = poses.reach()
     smallest = float(_smallest(tool, tool.jacobian(tool.start), poses.units, reach)[0])
     if smallest < SINGULAR:
@@ -117,7 +117,7 @@ def _fitted(
         q, room = _room(tool, length * np.concatenate([_outline(*each) for each in planes]), poses, reach, asked)
         rooms = np.round(room.reshape(len(planes), -1).min(axis=1), _DIGITS)
         if rooms.max() >= 1.0:
-            change = np.abs(tool.body.gravity(q) - poses.gravity(home)) / np.array(limits)
+            change = np.abs(tool.links.gravity(q) - poses.gravity(home)) / np.array(limits)
             changes = np.where(rooms >= 1.0, change.reshape(len(planes), -1).max(axis=1), np.inf)
             best = int(np.flatnonzero(changes <= LEVEL * changes.min())[0])
             found.append((max(GRAVITY_CHANGE, float(changes[best])), length, planes[best]))
@@ -155,7 +155,7 @@ def _room(tool: ToolKinematics, offset: Array, poses: Poses, reach: float, least
     q, off = tool.follow(offset)
     reached = off < MAX_RESIDUAL
     q = np.where(reached[:, None], q, tool.q_start)
-    pose, _ = tool.body.tool_pose(q)
+    pose = tool.links.tool_pose(q)
     low, high = joint_range(poses.model)
     asked = np.minimum(MARGIN * poses.units, MARGIN_SHARE * (high - low))
     margin = (np.minimum(q - low, high - q) / asked).min(axis=1)

@@ -84,7 +84,7 @@ class StepControl(TaskControl):
         mass, stiffness = believed(scenarios)
         for phase in (0, 1):
             q_d = self._q_d[phase, ids] = poses[:, phase]
-            self._gravity[phase, ids] = mass * self._plant.body.gravity(q_d, ids)
+            self._gravity[phase, ids] = self._plant.body.links.gravity(q_d, mass)
             self._theta_d[phase, ids] = q_d + self._gravity[phase, ids] / stiffness
 
     def follow(self, ticks: Ticks, theta: Array, theta_dot: Array, tau_c: Array) -> None:

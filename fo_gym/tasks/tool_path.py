@@ -126,8 +126,9 @@ class ToolPathControl(TaskControl):
         links = robot.link_side
         self.table = _cached_table(links, links.stamp, path, home, plant.control_dt, robot.redundant)
         held = [robot.joints.index(name) for name in robot.redundant]
-        self._law = Impedance(gains, plant.body, held, oriented=tool_rows(robot.dof) == 6)
-        self._statics = PathStatics(plant, self.table.q_d, self.table.gravity)
+        self._law = Impedance(gains, plant.body.links, held, oriented=tool_rows(robot.dof) == 6)
+        self._statics = PathStatics(plant, self.table.q_d)
+        self._threads = plant.threads
         self.path = self.table.position
 
     def reset(self, ids: Ids, scenarios: Sequence[Scenario]) -> None:
@@ -138,14 +139,14 @@ class ToolPathControl(TaskControl):
         """See TaskControl."""
         self.ticks, table, statics = ticks, self.table, self._statics
         statics.update(ticks, self.theta_d)
-        np.take(table.position, statics.row, axis=0, out=self.reference)
-        setpoint = TaskSetpoint(self.reference, table.velocity[statics.row], table.rotation, table.held)
-        tau_c[:] = self._law.torque(theta, theta_dot, statics.stiffness, statics.mass, setpoint)
+        table.position.take(statics.row, 0, self.reference, "clip")  # no row is out of range; "raise" would copy twice
+        setpoint = TaskSetpoint(self.reference, table.velocity.take(statics.row, 0), table.rotation, table.held)
+        known = statics.stiffness, statics.mass
+        self._threads.run(self._law.torque, theta, theta_dot, *known, setpoint, tau_c)
 
     def distance(self, plant: FlexibleJointPlant, scale: Any) -> Array:
         """See TaskControl."""
-        error = plant.body.tool_position(plant.q) - self.reference
-        return np.sqrt(np.add.reduce(error * error, axis=1)) / scale
+        return plant.body.links.tool_distance(plant.q, self.reference) / scale
 
     def desired_links(self, i: int) -> None:
         """See TaskControl."""

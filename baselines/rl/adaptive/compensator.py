@@ -18,13 +18,10 @@ from fo_gym import JointInfo, Signals
 
 Array = NDArray[np.float64]
 
-SHIPPED = Path(__file__).parents[1] / "weights" / "rl-adaptive"
-"""Folder of the training whose weights come with the package."""
-
 _ANSWER, _CHOOSE = 2, 20
 """Blocks between two answers, and between two choices of the ripple's period."""
 
-__all__ = ["SHIPPED", "AdaptiveCompensator", "rl_adaptive"]
+__all__ = ["AdaptiveCompensator"]
 
 
 class AdaptiveCompensator:
@@ -154,8 +151,3 @@ class AdaptiveCompensator:
             self.zero = np.clip(zero, -bound, bound)
             self.error = np.clip(error, -self.design.largest_error, self.design.largest_error)
             self._inertia = (1.0 - self.error) * self._believed
-
-
-def rl_adaptive(weights: str | Path = SHIPPED / "policy.safetensors") -> AdaptiveCompensator:
-    """The adaptive compensator, trained on the single link and on random chains of the variant `hardware`."""
-    return AdaptiveCompensator.load(weights)

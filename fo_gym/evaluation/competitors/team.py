@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.compensators import Compensator, is_privileged
+from fo_gym.compensators import Compensator, has_learned, is_privileged
 from fo_gym.parameters import JointInfo, with_fields
 from fo_gym.signals import Signals
 
@@ -39,6 +39,7 @@ class Team:
         self.share = share
         self.seconds: list[list[float]] = [[] for _ in members]
         ((self.feedback, self.privileged),) = {_kind(member) for member in self.members}
+        self.learned = any(has_learned(member) for member in self.members)
 
     def rows(self, place: int) -> slice:
         """The environments of a member, by its place."""

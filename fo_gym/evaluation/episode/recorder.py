@@ -17,7 +17,7 @@ from fo_gym.envs.vector import JointVectorEnv
 from fo_gym.evaluation.episode.calls import checked_estimate, checked_reset
 from fo_gym.evaluation.episode.recording import Recording
 from fo_gym.evaluation.episode.stored import stored_energy
-from fo_gym.plant.rigid_body import RigidBody
+from fo_gym.plant.links import Links
 from fo_gym.signals import Signals
 from fo_gym.simulation.past_step import PastStep
 
@@ -39,6 +39,7 @@ def record(
     seeds: Sequence[int],
     env_kwargs: Mapping[str, Any],
     at_start: Callable[[JointVectorEnv], None] | None = None,
+    at_step: Callable[[JointVectorEnv, int], None] | None = None,
 ) -> Recording:
     """Run `compensator` on one batch, an episode per seed, each to its end.
 
@@ -50,6 +51,7 @@ def record(
         seeds: one per episode.
         env_kwargs: further arguments of the environment.
         at_start: called with the environment when its episodes are drawn and nothing has moved yet; it may change them.
+        at_step: called with the environment after each step, and how many there were; it may look.
 
     Raises:
         CompensatorError: it raised, or returned what is not a finite (num_envs, dof) array.
@@ -65,14 +67,15 @@ def record(
     if at_start is not None:
         at_start(env)
     checked_reset(compensator, name, env)
-    return _Recorder(env).run(compensator, name)
+    return _Recorder(env, at_step).run(compensator, name)
 
 
 class _Recorder:
     """The arrays of a recording while it is made."""
 
-    def __init__(self, env: JointVectorEnv) -> None:
+    def __init__(self, env: JointVectorEnv, at_step: Callable[[JointVectorEnv, int], None] | None) -> None:
         self.env = env
+        self.at_step = at_step
         self.simulation = env.simulation
         self.dof = self.simulation.dof
         self.steps = self.simulation.last_tick // self.simulation.settings.decimation
@@ -115,6 +118,8 @@ class _Recorder:
             for part, kept in self.periods.items():
                 kept[step] = info[part]
             self._keep_tick(step + 1, info)
+            if self.at_step is not None:
+                self.at_step(self.env, step + 1)
             if terminated.any():
                 self._end(step + 1, terminated, info)
                 if not self.alive.any():
@@ -142,8 +147,8 @@ class _Recorder:
         simulation = self.simulation
         stored = stored_energy(simulation, self.ticks)
         if simulation.task.reference.of_tool:
-            body = RigidBody(simulation.robot.link_side, self.steps + 1)
-            tool = [body.tool_position(self.ticks["q"][:, i]) for i in range(self.env.num_envs)]
+            links = Links(simulation.robot.link_side)
+            tool = [links.tool_position(self.ticks["q"][:, i]) for i in range(self.env.num_envs)]
             self.ticks["tool"] = np.stack(tool, axis=1)
         if simulation.hands is not None:
             self._add_works()

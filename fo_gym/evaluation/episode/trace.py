@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -28,7 +29,7 @@ BUCKETS = 700
 _ROW = ["env", "robot", "variant", "compensator", "seed"]
 _INDEX = ["status", "frr", "joint_unit", "origin", "competitor_hash", "protocol"]
 
-__all__ = ["BUCKETS", "Trace", "kept_ticks", "traces_of", "write_traces"]
+__all__ = ["BUCKETS", "Trace", "kept_ticks", "trace_of", "traces_of", "write_traces"]
 
 
 @dataclass(frozen=True)
@@ -94,23 +95,32 @@ def traces_of(name: str, scores: pd.DataFrame, recording: Recording, references:
     Returns:
         Of three or more episodes three, of fewer as many as there are. Of equal ones the first counts as the worst.
     """
-    found = []
-    for place, i in _places(scores["frr"].to_numpy()).items():
-        row = scores.iloc[i]
-        found.append(
-            Trace(
-                env=str(row["env"]),
-                robot=str(row["robot"]),
-                variant=str(row["variant"]),
-                compensator=name,
-                seed=int(row["seed"]),
-                place=place,
-                frr=float(row["frr"]),
-                joint_unit=recording.robot.joint_unit,
-                signals=_thinned(recording, references, i),
-            )
-        )
-    return tuple(found)
+    places = _places(scores["frr"].to_numpy())
+    return tuple(trace_of(name, place, scores.iloc[i], recording, references, i) for place, i in places.items())
+
+
+def trace_of(name: str, place: str, row: pd.Series[Any], recording: Recording, references: References, i: int) -> Trace:
+    """The trace of episode i of a recording.
+
+    Args:
+        name: of the competitor.
+        place: of its frr among those of the run.
+        row: of this episode.
+        recording: what happened.
+        references: of the same episodes.
+        i: which.
+    """
+    return Trace(
+        env=str(row["env"]),
+        robot=str(row["robot"]),
+        variant=str(row["variant"]),
+        compensator=name,
+        seed=int(row["seed"]),
+        place=place,
+        frr=float(row["frr"]),
+        joint_unit=recording.robot.joint_unit,
+        signals=_thinned(recording, references, i),
+    )
 
 
 def _places(frr: Array) -> dict[str, int]:

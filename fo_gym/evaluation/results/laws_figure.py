@@ -6,12 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
 
 from fo_gym.evaluation.results.laws import over_laws
-from fo_gym.evaluation.results.style import label
+from fo_gym.evaluation.results.style import figure_of, label, save_figure
 from fo_gym.evaluation.runs.protocol import Protocol
-from fo_gym.files import draft_of
 from fo_gym.specs import BUILT_IN
 
 _WIDTH, _ROW = 4.2, 0.24
@@ -30,7 +28,7 @@ def laws_figure(protocol: Protocol, table: pd.DataFrame, folder: Path) -> Path:
     panels = list(over_laws(protocol, table))
     rows = max(len(next(iter(by_law.values()))) for _, by_law in panels)
     size = (_WIDTH * len(panels), 1.4 + _ROW * rows)
-    figure = Figure(figsize=size, layout="constrained")
+    figure = figure_of(*size)
     for axis, (place, by_law) in zip(figure.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
         first = next(iter(by_law.values()))
         order = [name for name in first.sort_values("frr", ascending=False).index if name not in BUILT_IN]
@@ -46,8 +44,5 @@ def laws_figure(protocol: Protocol, table: pd.DataFrame, folder: Path) -> Path:
         axis.set_yticks(range(len(order)), [label(str(name)) for name in order], size=7)
         axis.set_title(label(place, 60), fontsize="small")
     figure.suptitle("friction rejection ratio under each law", fontsize="medium")
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / "laws.png"
-    with draft_of(path) as draft:
-        figure.savefig(draft, format="png", dpi=120, metadata={"Software": ""})
+    (path,) = save_figure(figure, folder / "laws")
     return path

@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fo_gym.evaluation.results.style import label
+from fo_gym.evaluation.results.style import figure_of, label
 from fo_gym.evaluation.results.sweep import summary_of
 from fo_gym.evaluation.runs.episodes import SET, label_of
 
@@ -32,7 +32,7 @@ def sweep_figure(table: pd.DataFrame, gains: Sequence[str]) -> Figure:
         raise ValueError(f"a sweep over {len(gains)} gains, {', '.join(gains)}, is not drawn; sweep one or two")
     summary = summary_of(table, gains)
     panels = list(summary.groupby(SET, sort=False))
-    figure = Figure(figsize=(_SIZE[0] * len(panels), _SIZE[1]), layout="constrained")
+    figure = figure_of(_SIZE[0] * len(panels), _SIZE[1])
     for axis, (key, rows) in zip(figure.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
         draw = _curve if len(gains) == 1 else _map
         draw(axis, rows, gains)

@@ -34,7 +34,19 @@ _SHOWN = (
 _SCALE = ("none", "ideal")
 """References that make the scale of FRR: 0 and 1."""
 
-__all__ = ["MARKS", "Ranking", "authors", "explained", "finding", "markdown", "marked", "rankings", "summary"]
+__all__ = [
+    "MARKS",
+    "Ranking",
+    "authors",
+    "explained",
+    "finding",
+    "frr_everywhere",
+    "markdown",
+    "marked",
+    "rankings",
+    "second_headlines",
+    "summary",
+]
 
 
 class Ranking(NamedTuple):
@@ -118,13 +130,21 @@ def rankings(episodes: pd.DataFrame, table: pd.DataFrame | None = None) -> Itera
         yield _ranking(f"All environments, {variant}", group, [])
     table = leaderboard(episodes) if table is None else table
     for key, group in table.groupby(SET, sort=False):
-        shown = [entry for entry in _SHOWN if group[entry[0]].notna().any()]
-        if any(column.endswith("_mm") for column, _, _ in shown):
-            # Where the tool's path is the task, joints may rest anywhere that puts the tool right.
-            shown = [entry for entry in shown if not entry[0].endswith("_ju")]
-        unit = next((unit for unit in group["joint_unit"] if unit), "")
-        named = [(column, heading.format(unit=unit), factor) for column, heading, factor in shown]
-        yield _ranking(label_of(*key), group, named)
+        yield _ranking(label_of(*key), group, second_headlines(group))
+
+
+def second_headlines(rows: pd.DataFrame) -> list[tuple[str, str, float]]:
+    """What stands beside FRR in a table of one set: column, heading with its unit, and the factor to that unit.
+
+    Args:
+        rows: of one set, as `leaderboard` gives them.
+    """
+    shown = [entry for entry in _SHOWN if rows[entry[0]].notna().any()]
+    if any(column.endswith("_mm") for column, _, _ in shown):
+        # Where the tool's path is the task, joints may rest anywhere that puts the tool right.
+        shown = [entry for entry in shown if not entry[0].endswith("_ju")]
+    unit = next((unit for unit in rows["joint_unit"] if unit), "")
+    return [(column, heading.format(unit=unit), factor) for column, heading, factor in shown]
 
 
 def _ranking(title: str, rows: pd.DataFrame, shown: list[tuple[str, str, float]]) -> Ranking:
@@ -185,29 +205,42 @@ def _listed(words: list[str]) -> str:
     return " and ".join(part for part in (", ".join(words[:-1]), *words[-1:]) if part)
 
 
-def summary(table: pd.DataFrame) -> Ranking:
-    """FRR of everybody in every environment and variant: best on average first, failed ones last, then references.
+def frr_everywhere(table: pd.DataFrame) -> pd.DataFrame:
+    """FRR of everybody in every set: best on average first, failed ones last, then references.
 
     Those by whose definition FRR is 0 or 1 are left out.
 
     Args:
         table: rows as `leaderboard` gives them.
+
+    Returns:
+        A row per competitor, by its name, and a column per (env, robot, variant).
     """
     scored = table[~table["compensator"].isin(_SCALE)].assign(reference=is_reference)
     sets = list(table[SET].drop_duplicates().itertuples(index=False, name=None))
     frr = scored.pivot(index="compensator", columns=SET, values="frr")[sets]
-    who = scored.drop_duplicates("compensator").set_index("compensator")[["origin", "reference"]]
-    who["mean"] = frr.mean(axis=1, skipna=False)
-    who = who.sort_values(["reference", "mean"], ascending=[True, False], kind="stable", na_position="last")
-    headings = ["compensator", *(label_of(*each) for each in sets)]
+    order = scored.drop_duplicates("compensator").set_index("compensator")[["reference"]]
+    order["mean"] = frr.mean(axis=1, skipna=False)
+    order = order.sort_values(["reference", "mean"], ascending=[True, False], kind="stable", na_position="last")
+    return frr.loc[order.index]
+
+
+def summary(table: pd.DataFrame) -> Ranking:
+    """`frr_everywhere` as a table.
+
+    Args:
+        table: rows as `leaderboard` gives them.
+    """
+    frr = frr_everywhere(table)
+    who = table.drop_duplicates("compensator").assign(reference=is_reference).set_index("compensator").loc[frr.index]
+    headings = ["compensator", *(label_of(*each) for each in frr.columns.to_list())]
     names = [
         marked(str(name), origin) + (" (reference)" if reference else "")
         for name, origin, reference in who[["origin", "reference"]].itertuples(name=None)
     ]
-    values = frr.loc[who.index].to_numpy()
+    values = frr.to_numpy()
     cells = [[name, *(_number(value, ".3f") for value in row)] for name, row in zip(names, values, strict=True)]
-    origins = list(who["origin"])
-    return Ranking("Friction rejection ratio", headings, cells, _own(origins))
+    return Ranking("Friction rejection ratio", headings, cells, _own(list(who["origin"])))
 
 
 def markdown(ranking: Ranking) -> str:

@@ -1,4 +1,4 @@
-"""The nominal episodes to look at: the references, the best, and your own."""
+"""Episodes to look at: the references, the best, and your own."""
 
 from __future__ import annotations
 
@@ -11,18 +11,19 @@ from matplotlib.figure import Figure
 
 from fo_gym.evaluation.competitors.competitor import REFERENCE, YOURS
 from fo_gym.evaluation.episode.trace import Trace
-from fo_gym.evaluation.results.style import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, label
+from fo_gym.evaluation.results.style import BLUE, GREEN, ORANGE, PAGE, PURPLE, SKY, VERMILLION, figure_of, label
 from fo_gym.evaluation.results.tables import marked
 from fo_gym.evaluation.runs.episodes import label_of
 from fo_gym.specs import BUILT_IN
 
 _MILLI = 1e3
-_JOINT = 1
-_SIZE = (10.0, 4.2)
-_ENTRY = 0.045
-"""Height of an entry of the legend, as a share of the axes'."""
+SHOWN_JOINT = 1
+"""The joint whose motion is drawn, or the last of an arm with fewer."""
+_HEIGHT = 3.5
+_SMALL, _TINY = 7.5, 6.8
+"""Sizes of letters in print [pt]."""
 _REFERENCES: Mapping[str, dict[str, Any]] = {
-    "ideal": {"color": "0.6", "linestyle": "--", "linewidth": 1.6},
+    "ideal": {"color": "0.6", "linestyle": "--", "linewidth": 1.4},
     "none": {"color": "0.3", "linestyle": ":", "linewidth": 1.2},
 }
 _LINES: tuple[dict[str, Any], ...] = (
@@ -34,36 +35,47 @@ _LINES: tuple[dict[str, Any], ...] = (
     {"color": SKY, "linestyle": (0, (1, 0.8))},
 )
 """Of competitors; as many as there are curves beside the references."""
-_OWN, _OTHER = {"linewidth": 2.2, "zorder": 3.0}, {"linewidth": 1.2}
+_OWN, _OTHER = {"linewidth": 1.8, "zorder": 3.0}, {"linewidth": 1.0}
 
-__all__ = ["trace_figure"]
+__all__ = ["SHOWN_JOINT", "draw_traces", "trace_figure"]
 
 _Curve = tuple[Trace, str, dict[str, Any]]
 
 
 def trace_figure(traces: Sequence[Trace], origins: Mapping[str, str]) -> Figure:
-    """The nominal episodes of one environment: the tool's path, or a joint's motion.
+    """Episodes of one environment: the tool's path, or a joint's motion; see `draw_traces`."""
+    figure = figure_of(PAGE, _HEIGHT)
+    left, right = figure.subplots(1, 2)
+    names = draw_traces(left, right, traces, origins)
+    figure.legend(left.lines, names, loc="outside lower center", ncols=4, fontsize=_TINY)
+    return figure
+
+
+def draw_traces(left: Axes, right: Axes, traces: Sequence[Trace], origins: Mapping[str, str]) -> list[str]:
+    """Draw one episode of each competitor on axes that are there; returns the names of the lines on the left.
 
     At most eight curves: the references, what is yours, and the best of the others.
 
     Args:
-        traces: of one environment.
-        origins: where each competitor comes from.
+        left: gets the tool's path, or a joint's distance from its target.
+        right: gets the distance from where tool or joint would be without friction.
+        traces: of the same episode.
+        origins: where each competitor comes from, as far as it counts.
     """
-    figure = Figure(figsize=_SIZE, layout="constrained")
-    left, right = figure.subplots(1, 2)
     competitors = _competitors(traces, origins)
     curves = _chosen(traces, origins)
-    if "tool" in traces[0].signals:
-        _draw_paths(left, right, curves)
-    else:
-        _draw_joint(left, right, curves)
+    draw = _draw_paths if "tool" in traces[0].signals else _draw_joint
+    draw(left, right, curves)
     shown = sum(trace.compensator not in BUILT_IN for trace, _, _ in curves)
     which = f": {shown} of {len(competitors)}, by FRR" if shown < len(competitors) else ""
-    left.set_title(f"{label_of(traces[0].env, traces[0].robot, 'nominal')}{which}", fontsize="medium")
+    first = traces[0]
+    left.set_title(f"{label_of(first.env, first.robot, first.variant)}{which}", fontsize=_SMALL + 0.5)
     for axis in (left, right):
         axis.grid(alpha=0.3)
-    return figure
+        axis.tick_params(labelsize=_TINY)
+        axis.xaxis.label.set_fontsize(_SMALL)
+        axis.yaxis.label.set_fontsize(_SMALL)
+    return [*(name for _, name, _ in curves), *(["reference"] if "tool" in first.signals else [])]
 
 
 def _competitors(traces: Sequence[Trace], origins: Mapping[str, str]) -> list[Trace]:
@@ -93,7 +105,7 @@ def _chosen(traces: Sequence[Trace], origins: Mapping[str, str]) -> list[_Curve]
 
 def _draw_joint(left: Axes, right: Axes, curves: Sequence[_Curve]) -> None:
     """Left: a joint's distance from its target; right: from where it would be without friction, magnified."""
-    joint = min(_JOINT, curves[0][0].signals["theta"].shape[1] - 1)
+    joint = min(SHOWN_JOINT, curves[0][0].signals["theta"].shape[1] - 1)
     reach = 0.0
     for trace, _, line in curves:
         theta, ideal, target = (trace.signals[name][:, joint] for name in ("theta", "theta_ideal", "theta_d"))
@@ -104,7 +116,6 @@ def _draw_joint(left: Axes, right: Axes, curves: Sequence[_Curve]) -> None:
             reach = max(reach, 1.3 * float(np.abs(lost[len(lost) // 2 :]).max()))
     if reach > 0.0:
         right.set_ylim(-reach, reach)
-    _add_legend(left, curves, ncols=2)
     for axis, origin in ((left, "theta_d"), (right, "theta_ideal")):
         axis.set_xlabel("time [s]")
         axis.set_ylabel(f"theta - {origin}, joint {joint + 1} [m{curves[0][0].joint_unit}]")
@@ -121,18 +132,8 @@ def _draw_paths(left: Axes, right: Axes, curves: Sequence[_Curve]) -> None:
             right.semilogy(trace.signals["time"], _MILLI * np.linalg.norm(tool - ideal, axis=1), **line)
     left.plot(*(_MILLI * reference[:, plane].T), color="k", linewidth=0.6)
     left.set_aspect("equal")
-    names = [*(name for _, name, _ in curves), "reference"]
-    left.legend(left.lines, names, loc="center", fontsize=7.5)  # within the path there is nothing to cover
     left.set_xlabel(f"{'xyz'[plane[0]]} [mm]")
     left.set_ylabel(f"{'xyz'[plane[1]]} [mm]")
     right.set_ylim(bottom=1e-3)  # at the start everybody is where the ideal is
     right.set_xlabel("time [s]")
-    right.set_ylabel("distance of the tool from the friction-free one [mm]")
-
-
-def _add_legend(axis: Axes, curves: Sequence[_Curve], ncols: int) -> None:
-    """A legend at the top, for which the axis grows, so that it covers no curve."""
-    low, high = axis.get_ylim()
-    share = 0.04 + _ENTRY * -(-len(curves) // ncols)
-    axis.set_ylim(low, low + (high - low) / (1.0 - share))
-    axis.legend(axis.lines, [name for _, name, _ in curves], loc="upper right", ncols=ncols, fontsize=7.5)
+    right.set_ylabel("distance from the friction-free tool [mm]")

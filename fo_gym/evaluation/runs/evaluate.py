@@ -13,7 +13,8 @@ import pandas as pd
 from fo_gym.checks import choice, only, shown, text, whole_number
 from fo_gym.compensators import Compensator, handed
 from fo_gym.evaluation.competitors.entry import competitor_of
-from fo_gym.evaluation.episode.recording import References
+from fo_gym.evaluation.episode.recording import Recording, References
+from fo_gym.evaluation.episode.trace import Trace, trace_of
 from fo_gym.evaluation.runs.bound import bound_of
 from fo_gym.evaluation.runs.episodes import EpisodeSet, references_of, rows
 from fo_gym.evaluation.runs.seeds import VALIDATION_SEEDS, seeds_for, usual_count
@@ -21,7 +22,7 @@ from fo_gym.generators import seed_number
 from fo_gym.simulation.settings import Settings
 from fo_gym.tasks.variants import VARIANTS
 
-__all__ = ["check_arguments", "evaluate", "evaluation_seeds"]
+__all__ = ["check_arguments", "evaluate", "evaluation_seeds", "trace"]
 
 
 def evaluation_seeds(variant: str, seeds: int | Sequence[int] | None) -> tuple[int, ...]:
@@ -84,6 +85,45 @@ def evaluate(
         ValueError, TypeError: an argument is not allowed.
         FileNotFoundError: there is no such robot file.
     """
+    return _scored(compensator, env_id, variant, seeds, env_kwargs)[0]
+
+
+def trace(
+    compensator: str | type | Compensator,
+    env_id: str,
+    *,
+    variant: str = "nominal",
+    seed: int = 0,
+    **env_kwargs: Any,
+) -> Trace:
+    """One episode of a compensator tick by tick, thinned, for `fo_gym.plot.episode`.
+
+    Args:
+        compensator: as for `evaluate`.
+        env_id: a registered environment, such as "FJRStiction-v0".
+        variant: variant of it.
+        seed: of the episode.
+        env_kwargs: further arguments of the environment.
+
+    Returns:
+        Arrays by name in `signals`: time, theta, theta_ideal, theta_d, tau_f, tau_f_hat, tau_m, and on a tool path
+        tool, tool_ideal and tool_d; `frr`, and what the episode is of.
+
+    Raises:
+        CompensatorError, ValueError, TypeError, FileNotFoundError: as `evaluate` does.
+    """
+    table, recording, references = _scored(compensator, env_id, variant, [seed], env_kwargs)
+    return trace_of(str(table["compensator"][0]), "median", table.iloc[0], recording, references, 0)
+
+
+def _scored(
+    compensator: str | type | Compensator,
+    env_id: str,
+    variant: str,
+    seeds: int | Sequence[int] | None,
+    env_kwargs: Mapping[str, Any],
+) -> tuple[pd.DataFrame, Recording, References]:
+    """The rows of a compensator, what happened, and what it is relative to."""
     check_arguments(env_id, variant, env_kwargs)
     with _playing(compensator, env_id, variant) as (name, instance, content):
         episodes = EpisodeSet(env_id, variant, evaluation_seeds(variant, seeds), env_kwargs)
@@ -93,7 +133,7 @@ def evaluate(
     if compensator == "bound":
         recording = bound_of(episodes, references)
     table = rows(episodes, name, recording, references, instance)
-    return table.assign(competitor_hash=content)
+    return table.assign(competitor_hash=content), recording, references
 
 
 @contextmanager

@@ -5,11 +5,11 @@ A file per trial, DIR/ENV/VARIANT/KEY.trial: the SHA-256 of the rest in hexadeci
 
 A trial that is kept without traces is computed again where they are asked for; one with traces serves either way.
 
-The key covers the environment and the source of what registered it, the robot with its file, the variant, the seeds
-and arguments, the competitor's spec, gains, source and weights, the source of the suite that computes and of metrics of
-others, the versions of the packages involved, and the kind of machine. It covers neither protocol nor names: two
-protocols share what they have in common. Not kept are failed trials, which are tried again, and those of a worker on
-another kind of machine.
+The key covers the environment and the source of what registered it, the robot with its file, the variant, the seeds and
+arguments, the source of the kind of episodes, the competitor's spec, gains, source and weights, the source of the suite
+that computes and of metrics of others, the versions of the packages involved, and the kind of machine. It covers
+neither protocol nor names: two protocols share what they have in common. Not kept are failed trials, which are tried
+again, and those of a worker on another kind of machine.
 """
 
 from __future__ import annotations
@@ -54,6 +54,7 @@ def key_of(episodes: EpisodeSet, competitor: Competitor) -> str:
         {
             "format": _FORMAT,
             "episodes": met,
+            "kind": content_of_source(type(episodes).__module__).files,
             "robot": episodes.robot.fingerprint,
             "environment": content_of_source(environment.source).files if environment.source else {},
             "spec": competitor.spec,

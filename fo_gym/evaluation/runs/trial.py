@@ -26,7 +26,15 @@ REFERENCES = tuple(Competitor(name, name, REFERENCE) for name in BUILT_IN)
 _MEMORY, _ARRAYS = 2**31, 12
 """What the recording of a batch may take, about [bytes], and of how many arrays of all joints it consists."""
 
-__all__ = ["REFERENCES", "Trial", "competitor_trial", "failed_trial", "reference_trials", "trials_together"]
+__all__ = [
+    "REFERENCES",
+    "Trial",
+    "competitor_trial",
+    "failed_trial",
+    "fitting",
+    "reference_trials",
+    "trials_together",
+]
 
 
 @dataclass(frozen=True)
@@ -121,7 +129,7 @@ def trials_together(episodes: EpisodeSet, competitors: Sequence[Competitor], ref
             with suppress(Exception, SystemExit):
                 made[place] = competitor.make(episodes.env_id, episodes.variant)
     trials: dict[int, Trial] = {}
-    size = _fitting(references)
+    size = fitting(*references.none.theta.shape)
     for places in (group[start : start + size] for group in alike(made) for start in range(0, len(group), size)):
         team = Team([made[place] for place in places], len(episodes.seeds))
         with suppress(Exception, SystemExit):
@@ -134,9 +142,8 @@ def trials_together(episodes: EpisodeSet, competitors: Sequence[Competitor], ref
     return [trials[place] for place in range(len(competitors))]
 
 
-def _fitting(references: References) -> int:
-    """How many competitors fit into a batch."""
-    ticks, num_envs, dof = references.none.theta.shape
+def fitting(ticks: int, num_envs: int, dof: int) -> int:
+    """How many competitors with so many environments each fit into a batch of so many ticks."""
     return max(1, _MEMORY // (8 * _ARRAYS * ticks * num_envs * dof))
 
 

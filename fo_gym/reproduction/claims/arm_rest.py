@@ -6,7 +6,7 @@ import numpy as np
 
 from fo_gym.certificate.statement import Finding, at_least, at_most
 from fo_gym.certificate.subject import Subject
-from fo_gym.plant.rigid_body import RigidBody
+from fo_gym.plant.links import Links
 from fo_gym.reproduction.arms import ARM, FRICTION, Arm
 from fo_gym.reproduction.claim import claim
 from fo_gym.reproduction.runs import GAINS
@@ -32,10 +32,10 @@ def _pd_low(subject: Subject) -> Arm:
 )
 def _gravity(subject: Subject) -> Finding:
     assert ARM.pd_gains is not None
-    arm, body = _pd_low(subject), RigidBody(ARM.link_side, 1)
+    arm, links = _pd_low(subject), Links(ARM.link_side)
     target = regulation(ARM).fitted_to(ARM).reference.target(ARM.home)
     assert target is not None
-    sag = (body.gravity(target[None]) - body.gravity(arm.q[-1:]))[0] / ARM.pd_gains.kp
+    sag = (links.gravity(target[None]) - links.gravity(arm.q[-1:]))[0] / ARM.pd_gains.kp
     off, off_n = arm.error[-1, _JOINT], arm.error_n[-1, _JOINT]
     text = "|theta_n - theta_d| / |theta - theta_d| at joint 2 after 60 s, low gains; theta_n - theta_d is "
     text += f"{1e3 * off_n:.4g} mrad, (g(q_d) - g(q)) / K_p {1e3 * sag[_JOINT]:.4g} mrad"

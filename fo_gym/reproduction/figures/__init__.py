@@ -10,15 +10,9 @@ from matplotlib import style as matplotlib_style
 from matplotlib.figure import Figure
 
 from fo_gym.certificate.subject import Subject
-from fo_gym.files import draft_of
+from fo_gym.evaluation.results.style import save_figure
 from fo_gym.reproduction.figures import convergence, interaction, lugre, motivating, panels, regulation, square
 from fo_gym.reproduction.figures.style import RC
-
-# No dates and no versions: the same figure is the same file.
-_METADATA: dict[str, dict[str, None]] = {
-    "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
-    "png": {"Software": None},
-}
 
 __all__ = ["FIGURES", "FigureSpec", "draw"]
 
@@ -58,12 +52,5 @@ def draw(name: str, subject: Subject, folder: Path) -> list[Path]:
         subject: what is under test.
         folder: made if need be.
     """
-    paths = []
     with matplotlib_style.context(["default", RC]):  # whatever the user's own settings are
-        figure = FIGURES[name].function(subject)
-        for kind, metadata in _METADATA.items():
-            path = folder / f"{name}.{kind}"
-            with draft_of(path) as draft:
-                figure.savefig(draft, metadata=metadata)
-            paths.append(path)
-    return paths
+        return save_figure(FIGURES[name].function(subject), folder / name, ("pdf", "png"), RC["savefig.dpi"])

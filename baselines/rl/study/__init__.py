@@ -1,0 +1,1 @@
+"""How far the usual algorithms get on the environments as they are: `python -m baselines.rl.study`."""

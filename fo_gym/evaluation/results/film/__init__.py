@@ -1,0 +1,1 @@
+"""Films: competitors side by side, with what they do as curves below."""

@@ -1,0 +1,3 @@
+/* The last script: everybody listens now. */
+"use strict";
+fg.start();
