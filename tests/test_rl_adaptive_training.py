@@ -98,4 +98,4 @@ class TestCommand:
     def test_what_it_does_not_take(self, tmp_path: Path):
         done = CliRunner().invoke(app, ["train", "--adaptive", "--direct", "--out", str(tmp_path)])
         assert done.exit_code == 2
-        assert "leave --env, --algo, --direct out" in " ".join(done.output.split())
+        assert "leave --env, --algo, --direct and --tensorboard out" in " ".join(done.output.split())
