@@ -10,8 +10,8 @@ PYTEST := $(BIN)/python -m pytest -n 2 --dist loadfile
 FAST := not slow and not robots and not zoo
 
 .PHONY: leaderboard quick reproduce reproduce-quick train study tune bench page test test-slow test-robots test-zoo test-all
-.PHONY: test-portable check publish publish-laws publish-pages publish-maps publish-videos \
-	publish-bench clean help
+.PHONY: test-portable check docs site dist publish publish-laws publish-pages publish-maps publish-videos publish-bench
+.PHONY: clean help
 
 leaderboard: $(VENV)/.run  ## score everybody, to build/leaderboard (a quarter of an hour on two cores)
 	$(BIN)/fo-gym leaderboard
@@ -70,6 +70,20 @@ check: $(VENV)/.dev  ## ruff and mypy
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
+docs: $(VENV)/.docs  ## build the documentation, to docs/_build/html (seconds; no network); warnings are errors
+	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet --doctree-dir docs/_build/doctrees docs docs/_build/html
+
+site: page docs  ## put together what GitHub Pages shows, in build/site: the page, and the documentation under docs/
+	rm -rf build/site
+	mkdir -p build
+	cp -r leaderboard/site build/site
+	cp -r docs/_build/html build/site/docs
+
+dist: $(VENV)/.dev  ## build the package, to dist/; of a release with TAG=v..., which has to be the version
+	$(BIN)/python -c 'import fo_gym, sys; sys.exit(f"v{fo_gym.__version__} is not the tag $(TAG)" if "$(TAG)" not in ("", f"v{fo_gym.__version__}") else 0)'
+	rm -rf dist
+	$(BIN)/python -m build --no-isolation --outdir dist
+
 # Only what begins with publish- changes files of the repository.
 publish: $(VENV)/.dev system  ## run leaderboard and reproduction, write leaderboard/ and the pages that show it
 	$(BIN)/fo-gym leaderboard --out leaderboard
@@ -79,11 +93,10 @@ publish: $(VENV)/.dev system  ## run leaderboard and reproduction, write leaderb
 publish-laws: $(VENV)/.dev  ## run the leaderboard under each friction law, write leaderboard/laws/
 	$(BIN)/fo-gym leaderboard --protocol laws --out leaderboard/laws
 
-publish-pages: $(VENV)/.dev system  ## redraw the pictures, the tables and the reference of README and docs/
+publish-pages: $(VENV)/.dev system  ## redraw the pictures and the tables of README and docs/
 	$(BIN)/python docs/pictures.py
 	$(BIN)/python docs/learning/draw.py
 	$(BIN)/python docs/tables.py
-	$(BIN)/python docs/api.py
 
 # Long episodes: some limit cycles slip once in ten seconds.
 publish-maps: $(VENV)/.dev  ## draw the maps of docs/maps.md, to docs/maps/ (minutes; goes on after a kill)
@@ -95,7 +108,7 @@ publish-videos: $(VENV)/.dev system  ## film the two GIFs of the README, to docs
 	$(BIN)/fo-gym render none pid-low pd-low pid-high --speed 2 --out docs/images/hunting.gif
 	$(BIN)/fo-gym render none pid-high --env FJRSquare-v0 --out docs/images/square.gif
 
-publish-bench: $(VENV)/.dev  ## measure the speed, write docs/bench/ and README's table of it
+publish-bench: $(VENV)/.dev  ## measure the speed, write docs/bench/ and the table of docs/performance.md
 	$(BIN)/fo-gym bench --out docs/bench
 	$(BIN)/python docs/tables.py
 
@@ -139,13 +152,18 @@ $(VENV)/.bench: $(VENV)/.run
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[bench]'
 	touch $@
 
+$(VENV)/.docs: $(VENV)/.run
+	@echo "installing what the documentation needs into $(VENV)"
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[docs]'
+	touch $@
+
 $(VENV)/.dev: $(VENV)/.reproduce
 	@echo "installing what the tests need into $(VENV)"
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[bench,dev,page,ray,reproduce,rl,tune]'
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[bench,dev,docs,page,ray,reproduce,rl,tune]'
 	touch $@
 
 clean:  ## remove the virtual environment and everything built
-	rm -rf $(VENV) build dist
+	rm -rf $(VENV) build dist docs/_build
 
 help:  ## show this
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 16

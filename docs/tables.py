@@ -33,6 +33,12 @@ def leaderboard() -> str:
     return markdown(summary(table)) + (f"\n{marks}\n" if marks else "")
 
 
+def one_variant() -> str:
+    """The same for the variant that comes closest to a robot alone."""
+    table = _csv("leaderboard/leaderboard.csv")
+    return markdown(summary(table[table["variant"] == "hardware"]))
+
+
 def hardware() -> str:
     """What the leaderboard says about robots as they are, in two sentences."""
     return finding(_csv("leaderboard/leaderboard.csv"), "hardware") + "\n"
@@ -60,6 +66,17 @@ def claims() -> str:
     ]
     failed = markdown(Ranking("", ["what does not hold", "measured", "it would hold at"], cells))
     return f"What the paper says: {counts(table)}.\n\n{failed}"
+
+
+def panels() -> str:
+    """What the paper's simulation shows, as it was measured."""
+    table = _published("claims")
+    table = table[table["id"].str.startswith("panel-")]
+    cells = [
+        [row["statement"], row["measured"].partition(";")[0], f"{row['number']:.3g} {row['unit']}".strip()]
+        for row in table.to_dict("records")
+    ]
+    return markdown(Ranking("", ["what happens", "measured as", "number"], cells))
 
 
 def fidelity() -> str:
@@ -187,13 +204,11 @@ def measured(page: str, name: str) -> str:
 
 
 PAGES: dict[str, dict[str, Callable[[], str]]] = {
-    "README.md": {
-        "leaderboard": leaderboard,
-        "hardware": hardware,
-        "speed": speed,
-        "claims": claims,
-        "fidelity": fidelity,
-    },
+    "README.md": {"leaderboard": one_variant},
+    "docs/leaderboard.md": {"leaderboard": leaderboard, "hardware": hardware},
+    "docs/theory/hunting.md": {"panels": panels},
+    "docs/reproduction.md": {"claims": claims, "fidelity": fidelity},
+    "docs/performance.md": {"speed": speed},
     "docs/arm.md": {name: partial(measured, "arm", name) for name in ("verdicts", "randomized", "sensitivity")},
     "docs/baselines.md": {name: partial(measured, "baselines", name) for name in ("drift", "shares", "adaptive")},
     "docs/processors.md": {"tolerances": tolerances, "chaotic": chaotic},

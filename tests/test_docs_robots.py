@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import json
-import os
 import re
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pandas as pd
 import pytest
+from page_code import Step, run_pages, steps
 
 import fo_gym
 from fo_gym.control import design as gains
@@ -22,64 +18,42 @@ from fo_gym.tasks.square import square
 
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "robots.md").read_text(encoding="utf-8")
-FENCED = re.compile(r"^```(python|toml)\n(.*?)^```$|^    \.venv/bin/fo-gym ([^\n]+)$", re.MULTILINE | re.DOTALL)
+STEPS = steps(PAGE)
 SCORING = ("evaluate", "leaderboard")
-PROGRAM = """
-import json, sys
-from pathlib import Path
-
-from fo_gym.cli import app
-
-names = {}
-for kind, text in json.load(sys.stdin):
-    if kind == "command":
-        app(text.split(), standalone_mode=False)
-    elif text.startswith("# build/"):
-        path = Path(text.partition("\\n")[0].removeprefix("# "))
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
-    else:
-        exec(text, names)
-rows, envs = names["rows"], names["envs"]
+AFTER = """
 assert rows["robot"].tolist() == ["six_axis"], rows
 assert rows["frr"][0] > 0.8, rows
 assert envs.num_envs == 8
 """
 
 
-def steps() -> list[tuple[str, str]]:
-    """("python" | "toml" | "command", text) in the order of the page."""
-    found = [match.groups() for match in FENCED.finditer(PAGE)]
-    return [(kind or "command", block or command) for kind, block, command in found]
+def is_scoring(step: Step) -> bool:
+    return step.kind == "sh" and step.text.split()[1] in SCORING
 
 
-def run_page(folder: Path, chosen: list[tuple[str, str]]) -> str:
+def run_page(folder: Path, chosen: list[Step]) -> str:
     """Output of these steps, run in one process beside a copy of the examples."""
-    shutil.copytree(ROOT / "examples", folder / "examples")
-    environment = os.environ | {"PYTHONPATH": str(ROOT), "COLUMNS": "160"}
-    command = [sys.executable, "-c", PROGRAM]
-    options = {"cwd": folder, "env": environment, "capture_output": True, "text": True, "input": json.dumps(chosen)}
-    done = subprocess.run(command, check=False, **options)  # type: ignore[call-overload]
-    assert done.returncode == 0, f"{done.stdout}\n{done.stderr}"
-    return str(done.stdout)
+    output, raised = run_pages(folder, {"robots": chosen}, short=False, after=AFTER)
+    assert raised == {}
+    return output
 
 
 def test_what_does_not_score(tmp_path: Path) -> None:
-    output = run_page(tmp_path, [step for step in steps() if step[1].split()[0] not in SCORING])
+    output = run_page(tmp_path, [step for step in STEPS if not is_scoring(step)])
     assert re.search(r"^taken +frictionloss +.*shoulder 2, elbow 1.5", output, re.MULTILINE)
     assert re.search(r"^dropped +joint grip +is not named; welded at 0 m", output, re.MULTILINE)
     assert re.search(r"^environment +Nod-v0 \(arm, own\): on two_links, from ", output, re.MULTILINE)
-    written = (tmp_path / "build/robots/six_axis.toml").read_text(encoding="utf-8")
+    written = (tmp_path / "0" / "build/robots/six_axis.toml").read_text(encoding="utf-8")
     (shown,) = re.findall(r"^```ini\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
     assert shown in written
-    assert (tmp_path / "build/robots/six_axis.png").is_file()
+    assert (tmp_path / "0" / "build/robots/six_axis.png").is_file()
 
 
 @pytest.mark.slow
 def test_the_whole_page(tmp_path: Path) -> None:
-    assert len([step for step in steps() if step[1].split()[0] in SCORING]) >= 5
-    run_page(tmp_path, steps())
-    rows = pd.read_csv(tmp_path / "build/two_arms/episodes.csv")
+    assert sum(map(is_scoring, STEPS)) >= 5
+    run_page(tmp_path, STEPS)
+    rows = pd.read_csv(tmp_path / "0" / "build/two_arms/episodes.csv")
     assert set(rows["robot"]) == {"two", "six"}
     scores = rows.set_index(["robot", "compensator"])["frr"]
     for robot in ("two", "six"):

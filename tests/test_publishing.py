@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
+import subprocess
+import sys
+import tomllib
 from pathlib import Path
 from typing import Any
+from zipfile import ZipFile
 
 import pytest
 import typer
@@ -58,13 +63,14 @@ def check_command(command: str) -> None:
         assert command.startswith(".venv/bin/python -m pip install "), command
 
 
-def test_there_are_four_workflows() -> None:
-    assert [path.stem for path in WORKFLOWS] == ["leaderboard", "packages", "page", "test"]
+def test_there_are_five_workflows() -> None:
+    assert [path.stem for path in WORKFLOWS] == ["leaderboard", "packages", "page", "release", "test"]
     wanted = {
-        "page": {"make page"},
         "packages": {"make test-robots"},
         "leaderboard": {"make leaderboard", "make quick", ".venv/bin/fo-gym verify"},
-        "test": {"make check", "make test", "make test-portable"},
+        "page": {"make site"},
+        "release": {"make dist TAG=${GITHUB_REF_NAME}"},
+        "test": {"make check", "make docs", "make test", "make test-portable"},
     }
     for path in WORKFLOWS:
         assert wanted[path.stem] <= {step.get("run") for step in steps(path)}
@@ -79,10 +85,18 @@ def test_a_workflow_runs_what_there_is_with_the_least_rights(workflow: Path) -> 
         if "run" in step:
             check_command(step["run"])
         else:
-            assert re.fullmatch(r"actions/[a-z-]+@[0-9a-f]{40}", step["uses"]), step
+            assert re.fullmatch(r"(actions/[a-z-]+|pypa/gh-action-pypi-publish)@[0-9a-f]{40}", step["uses"]), step
         if step.get("uses", "").startswith("actions/checkout"):
             assert step["with"] == {"persist-credentials": False}
     assert all("timeout-minutes" in job for job in content["jobs"].values())
+
+
+@pytest.mark.parametrize("workflow", WORKFLOWS, ids=lambda path: path.stem)
+def test_a_job_that_may_write_runs_no_code_of_the_repository(workflow: Path) -> None:
+    for name, job in read(workflow)["jobs"].items():
+        if job.get("permissions"):
+            assert name == "publish"
+            assert not any("run" in step or step["uses"].startswith("actions/checkout") for step in job["steps"])
 
 
 def test_the_oldest_python_is_tested() -> None:
@@ -101,10 +115,11 @@ def test_only_what_is_told_to_publish_changes_what_is_published() -> None:
     """Targets of make that name a folder, or a script of docs/, name one in build/, or are called publish."""
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     recipes = dict(re.findall(r"^([a-z-]+):.*\n((?:\t.*\n)+)", makefile, re.MULTILINE))
-    writers = {name: re.findall(r"--out (\S+)|python (docs/\S+)", text) for name, text in recipes.items()}
+    writers = {name: re.findall(r"--out(?:dir)? (\S+)|python (docs/\S+)", text) for name, text in recipes.items()}
     targets = {name: [out or script for out, script in each] for name, each in writers.items()}
     assert targets.pop("test-portable") == ["docs/processors/elsewhere.py"]  # writes nothing itself
     assert targets["publish"] == ["leaderboard", "leaderboard"]
+    assert targets.pop("dist") == ["dist"]  # is not committed
     assert {"leaderboard", "reproduce", "bench", "train", "tune"} <= set(targets)
     others = {name: each for name, each in targets.items() if not name.startswith("publish")}
     assert {name: each for name, each in others.items() if not all(path.startswith("build/") for path in each)} == {}
@@ -125,7 +140,8 @@ def test_commands_write_into_build_where_nothing_is_told(tmp_path: Path, monkeyp
 def test_citation() -> None:
     citation = read(ROOT / "CITATION.cff")
     assert citation["cff-version"] == "1.2.0"
-    assert citation["version"] == fo_gym.__version__
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert citation["version"] == project["version"] == fo_gym.__version__
     assert citation["authors"] == [{"name": "The fo-gym authors"}]
     assert citation["license"] == "MIT"
     assert {"message", "title", "type"} <= set(citation)
@@ -133,6 +149,22 @@ def test_citation() -> None:
     assert paper["identifiers"][0]["description"] == "arXiv:1907.00553"
     names = [author["family-names"] for author in paper["authors"]]
     assert names == ["Kim", "Beck", "Ott", "Albu-Schäffer"]
+
+
+def test_the_package_says_where_the_project_is(tmp_path: Path) -> None:
+    shutil.copytree(ROOT, tmp_path / "source", ignore=shutil.ignore_patterns(".*", "__pycache__", "build", "_build"))
+    options = {"GITHUB_SERVER_URL": "https://github.com", "GITHUB_REPOSITORY": "Some/one"}
+    program = "from hatchling.builders.wheel import WheelBuilder; print(*WheelBuilder('.').build(directory='dist'))"
+    command = [sys.executable, "-c", program]
+    subprocess.run(command, cwd=tmp_path / "source", env=os.environ | options, check=True, capture_output=True)
+    (wheel,) = (tmp_path / "source" / "dist").glob("*.whl")
+    with ZipFile(wheel) as archive:
+        (name,) = [name for name in archive.namelist() if name.endswith("/METADATA")]
+        told = archive.read(name).decode()
+    for line in ("Documentation, https://some.github.io/one/docs/", "Repository, https://github.com/Some/one"):
+        assert f"Project-URL: {line}\n" in told
+    assert "](https://github.com/Some/one/raw/main/docs/images/square.gif)" in told
+    assert re.findall(r"\]\((?!https://|#)[^)]*\)", told) == []
 
 
 def test_hooks_are_the_tools_of_make_check() -> None:

@@ -1,4 +1,4 @@
-"""`fo-gym train`: train a compensator with Stable-Baselines3."""
+"""`fo-gym train`: train a compensator, with Stable-Baselines3, or to tell what is not friction."""
 
 from __future__ import annotations
 
@@ -21,10 +21,13 @@ def train(
     direct: Annotated[
         bool, typer.Option("--direct", help="A policy alone, not added to the PID-type observer.")
     ] = False,
+    adaptive: Annotated[
+        bool, typer.Option("--adaptive", help="The compensator with a memory, which has robots and tasks of its own.")
+    ] = False,
     segments: Annotated[int | None, typer.Option(help="Segments to train for; by default the algorithm's own.")] = None,
     tensorboard: Annotated[Path | None, typer.Option(help="Folder of TensorBoard's logs; none by default.")] = None,
 ) -> None:
-    """Train a policy that compensates friction, for one joint, shared by all joints.
+    """Train a compensator for one joint, shared by all joints: a policy, or one that learns what is not friction.
 
     Validation and a checkpoint follow every segment; the best weights are kept as policy.safetensors, with a model
     card, the learning curve, and a compensator.py to score them with. Run the same command again to go on after a
@@ -35,33 +38,58 @@ def train(
 
         fo-gym train --direct --segments 12 --out build/rl-direct
 
+        fo-gym train --adaptive --out build/rl-adaptive
+
         fo-gym train --env FJRRegulation-v0 --algo sac --seed 3 --out build/arm
 
         fo-gym evaluate build/rl-residual/compensator.py:Trained --env FJRSquare-v0
     """
+    check_folder("--out", out)
     try:
-        from baselines.rl.algorithms import ALGORITHMS  # noqa: PLC0415 (torch is heavy, and nothing else needs it)
-        from baselines.rl.training import train as run  # noqa: PLC0415
+        if not adaptive:
+            best = _policy(out, env, algo, seed, direct, segments, tensorboard)
+        elif direct or tensorboard is not None or (env, algo) != ("FJRStiction-v0", "ppo"):
+            raise Stop(
+                "--adaptive has robots, tasks and a way to learn of its own; leave --env, --algo, --direct and "
+                "--tensorboard out"
+            )
+        else:
+            best = _adaptive(out, seed, segments)
     except ModuleNotFoundError as error:
         raise Stop(f"{error}; install what `fo-gym train` needs with: {install_command('rl')}") from error
-    from baselines.rl.course import course_of  # noqa: PLC0415
-    from baselines.rl.design import Design  # noqa: PLC0415
-    from baselines.rl.plan import Plan  # noqa: PLC0415
-
-    check_folder("--out", out)
-    algorithm = ALGORITHMS[algo]
-    try:
-        plan = Plan(
-            env_id=env,
-            algo=algo,
-            seed=seed,
-            design=Design(residual=not direct),
-            robots=max(1, algorithm.agents // course_of(env).joints),
-            steps=algorithm.steps,
-            segments=algorithm.segments if segments is None else segments,
-        )
-        with progress_bar(plan.segments * plan.actions) as advance:
-            best = run(plan, out, on_steps=advance, tensorboard=tensorboard)
     except (ValueError, ImportError) as error:
         raise Stop(str(error)) from error
     tell_written([best, *(best.with_name(name) for name in ("card.md", "curve.csv", "curve.png", "compensator.py"))])
+
+
+def _policy(
+    out: Path, env: str, algo: str, seed: int, direct: bool, segments: int | None, tensorboard: Path | None
+) -> Path:
+    """Train a policy; torch is heavy, and nothing else needs it."""
+    from baselines.rl.algorithms import ALGORITHMS  # noqa: PLC0415
+    from baselines.rl.course import course_of  # noqa: PLC0415
+    from baselines.rl.design import Design  # noqa: PLC0415
+    from baselines.rl.plan import Plan  # noqa: PLC0415
+    from baselines.rl.training import train as run  # noqa: PLC0415
+
+    algorithm = ALGORITHMS[algo]
+    plan = Plan(
+        env_id=env,
+        algo=algo,
+        seed=seed,
+        design=Design(residual=not direct),
+        robots=max(1, algorithm.agents // course_of(env).joints),
+        steps=algorithm.steps,
+        segments=algorithm.segments if segments is None else segments,
+    )
+    with progress_bar(plan.segments * plan.actions) as advance:
+        return run(plan, out, on_steps=advance, tensorboard=tensorboard)
+
+
+def _adaptive(out: Path, seed: int, segments: int | None) -> Path:
+    """Train the adaptive compensator."""
+    from baselines.rl.adaptive.training import SEGMENTS, AdaptivePlan, train_adaptive  # noqa: PLC0415
+
+    plan = AdaptivePlan(seed=seed, segments=SEGMENTS if segments is None else segments)
+    with progress_bar(2 * plan.segments * plan.batches * plan.steps) as advance:
+        return train_adaptive(plan, out, on_steps=advance)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ from baselines.rl.course import course_of
 from baselines.rl.design import Design
 from fo_gym.files import atomic
 
-__all__ = ["ALGOS", "Plan", "claim_folder"]
+__all__ = ["ALGOS", "Plan", "claim"]
 
 ALGOS = ("ppo", "sac", "tqc")
 
@@ -61,14 +62,14 @@ class Plan:
         return self.seed * 1_000_000 + segment * 1_000
 
 
-def claim_folder(out: Path, plan: Any) -> None:
-    """Note in `out` what is trained there, a `Plan` or another dataclass.
+def claim(out: Path, settings: Mapping[str, Any]) -> None:
+    """Note in `out` what is trained there.
 
     Raises:
         ValueError: something else is.
     """
     file = out / "plan.json"
-    text = json.dumps(asdict(plan), indent=2) + "\n"
+    text = json.dumps(settings, indent=2) + "\n"
     if file.is_file() and file.read_text(encoding="utf-8") != text:
         raise ValueError(f"{out} holds a training with other settings, see {file}; choose another --out, or remove it")
     atomic(file, text)

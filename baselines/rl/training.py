@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,7 @@ from baselines.rl.algorithms import LEARNING_RATE, export, make_model
 from baselines.rl.checkpoint import load_checkpoint, save_checkpoint
 from baselines.rl.compensator import LearnedCompensator
 from baselines.rl.environment import TrainingEnv
-from baselines.rl.plan import Plan, claim_folder
+from baselines.rl.plan import Plan, claim
 from baselines.rl.report import card, write_report
 from baselines.rl.storage import POLICY, save_policy
 from fo_gym import evaluate
@@ -98,7 +98,7 @@ def train(plan: Plan, out: Path, *, on_steps: OnSteps | None = None, tensorboard
     Raises:
         ValueError: `out` holds another training.
     """
-    claim_folder(out, plan)
+    claim(out, asdict(plan))
     torch.set_num_threads(_THREADS)
     env = TrainingEnv(plan.env_id, plan.robots, plan.design)
     model = make_model(plan.algo, VecEnvAdapter(env), plan.steps, plan.seed, tensorboard)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
 import typer
 from joblib import Parallel, delayed
 
-from baselines.rl.plan import claim_folder
+from baselines.rl.plan import claim
 from baselines.rl.study.plan import ENVIRONMENTS, Study, runs_of
 from baselines.rl.study.recipe import SOURCES, Recipe
 from baselines.rl.study.run import perform
@@ -51,7 +52,7 @@ def study(
         recipes = [Recipe.load(zoo, name) for name in algo or SOURCES]
         recipes = recipes if steps is None else [recipe.with_steps(steps, checkpoints) for recipe in recipes]
         plan = Study(tuple(recipes), checkpoints, episodes)
-        claim_folder(out, plan)
+        claim(out, asdict(plan))
         runs = runs_of(recipes, env or ENVIRONMENTS, seeds)
         missing = [run for run in runs if not run.file(out).is_file()]
         with progress_bar(len(runs)) as advance:

@@ -1,0 +1,153 @@
+"""The adaptive compensator: the PID-type observer, around a nominal motor that learns what is not friction."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baselines.gains import check_bandwidth
+from baselines.rl.adaptive.design import AdaptiveDesign
+from baselines.rl.adaptive.memory import Memory
+from baselines.rl.adaptive.readings import WATCHED, ControllerStiffness, DelayedTorque
+from baselines.rl.adaptive.rows import Block, Rows, Scales
+from baselines.rl.adaptive.storage import load_weights
+from baselines.rl.adaptive.weights import Weights
+from fo_gym import JointInfo, Signals
+
+Array = NDArray[np.float64]
+
+_ANSWER, _CHOOSE = 2, 20
+"""Blocks between two answers, and between two choices of the ripple's period."""
+
+__all__ = ["AdaptiveCompensator"]
+
+
+class AdaptiveCompensator:
+    """The PID-type observer of arXiv:1907.00553, around a nominal motor that allows for what is not friction.
+
+        tau_f_hat = -B^ L (e' + L_p e + L_i int e) + K_p e + K_d e',       e = theta_n - theta
+        B^ theta_n'' = tau_c(late) - K_p e - K_d e' - (tau_j - zero),      B^ = (1 - error) B
+
+    The controller gets the measured motor; K_p and K_d, which this compensator sees in tau_c, make of that what it
+    would say of the nominal motor: with zero = error = 0 this is nominal feedback, wherever each joint has a gain of
+    its own. `late` is the delay of commands, which shows in the torques that were applied.
+
+    `zero`, of the torque sensor, and `error`, of what is believed of B, are not friction, and an observer takes them
+    for it. They are learned slowly, from blocks of readings: see `Rows` for what a block says, `Memory` for what all of
+    them say together. Both are the same for any joint and robot. The work of a block is spread over its ticks.
+
+    Args:
+        design: gains, time of a block, bounds.
+        weights: what was learned; None learns nothing: the observer beneath.
+
+    Attributes:
+        zero, error: as estimated, (num_envs, dof) [N | N m] and [1].
+        correction: what they change in what is taken for friction, (num_envs, dof) [N | N m]:
+            -zero - error B theta_n''.
+    """
+
+    feedback = "measured"
+    learned = True
+
+    def __init__(self, design: AdaptiveDesign, weights: Weights | None) -> None:
+        self.design, self.weights = design, weights
+
+    @classmethod
+    def load(cls, weights: str | Path) -> AdaptiveCompensator:
+        """From a file NAME.safetensors with its card. Raises ValueError where they cannot be trusted or used."""
+        return cls(*load_weights(Path(weights)))
+
+    def reset(self, joints: JointInfo, num_envs: int) -> None:
+        """Start new episodes. Raises ValueError where control_dt does not suit the observer or the blocks."""
+        check_bandwidth(self, self.design.L, joints)
+        self._ticks, self._dt = self.design.block(joints.control_dt), joints.control_dt
+        shape = (num_envs, joints.dof)
+        self._believed = np.broadcast_to(joints.motor_inertia, shape).copy()
+        self._limit = np.broadcast_to(joints.torque_limit, shape).copy()
+        self._late = DelayedTorque(self.design.delays(self._dt), shape, round(WATCHED / self._dt))
+        self._stiffness = ControllerStiffness(shape)
+        self._memory = None if self.weights is None else Memory(self.weights, shape)
+        self.zero, self.error, self.correction = np.zeros((3, *shape))
+        self._inertia = self._believed
+        self._integral, self._sum = np.zeros(shape), np.zeros(shape)
+        self._tau_j_sum = np.zeros(shape)
+        self._tick = 0
+
+    def estimate(self, signals: Signals) -> Array:
+        """tau_f_hat, (num_envs, dof), N or N m."""
+        if self._tick == 0:
+            self._begin(signals)
+        else:
+            self._read(signals)
+        late = self._late.now(signals.tau_c, signals.tau_m)
+        e, e_dot = self._theta_n - signals.theta, self._theta_n_dot - signals.theta_dot
+        spring = self._stiffness.kp * e + self._stiffness.kd * e_dot
+        gain = self.design.L * self._inertia
+        estimate = spring - gain * (e_dot + self.design.Lp * e + self.design.Li * self._integral)
+        estimate = np.clip(estimate, -self._limit, self._limit)
+        self._integral += self._dt * e
+        self._driving = late - spring
+        self._late.commanded(signals.tau_c - estimate)
+        self._tick += 1
+        return estimate
+
+    def _begin(self, signals: Signals) -> None:
+        """The nominal motor starts from the measured one; so does the first block."""
+        self._theta_n, self._theta_n_dot = signals.theta.copy(), signals.theta_dot.copy()
+        self._tau_j = signals.tau_j.copy()
+        self._start = signals.theta.copy(), signals.theta_dot.copy()
+        self._scales = Scales.of(self._believed, self._limit, signals.tau_j, self.design.period)
+        self._rows = Rows(self._scales)
+
+    def _read(self, signals: Signals) -> None:
+        """Take the past period's readings: the nominal motor moves; at the ends of blocks, and after them, learn."""
+        phase = self._tick % self._ticks
+        # tau_m acted from the tick before to this one, and so did tau_j, whose readings are at the ticks. To hold the
+        # first of them over the period, as others do, would feed the fast modes of springs.
+        tau_j = 0.5 * (self._tau_j + signals.tau_j)
+        self._move(tau_j)
+        self._sum += signals.tau_m
+        self._tau_j_sum += tau_j
+        self._tau_j[:] = signals.tau_j
+        if phase == 0:
+            self._end_block(signals)
+        if self._memory is not None and self._tick > self._ticks:
+            self._learn(self._memory, phase, self._tick // self._ticks)
+
+    def _move(self, tau_j: Array) -> None:
+        """The nominal motor, over the past period."""
+        acceleration = (self._driving - tau_j + self.zero) / self._inertia
+        self._theta_n += self._dt * self._theta_n_dot + (0.5 * self._dt**2) * acceleration
+        self._theta_n_dot += self._dt * acceleration
+        self.correction = -self.zero - self.error * self._believed * acceleration
+
+    def _end_block(self, signals: Signals) -> None:
+        theta, theta_dot = self._start
+        velocity = (signals.theta - theta) / self.design.period
+        acceleration = (signals.theta_dot - theta_dot) / self.design.period
+        tau_j, tau_m = self._tau_j_sum / self._ticks, self._sum / self._ticks
+        self._block = Block(self._believed * acceleration + tau_j - tau_m, velocity, acceleration, tau_j)
+        self._sum[:] = self._tau_j_sum[:] = 0.0
+        self._start = signals.theta.copy(), signals.theta_dot.copy()
+        self._stiffness.block(signals.theta, signals.theta_dot, signals.tau_c, signals.theta_d)
+
+    def _learn(self, memory: Memory, phase: int, block: int) -> None:
+        """One part of what a block has to be done with, by the tick within it."""
+        answers = block % _ANSWER == 0
+        if phase == 1:
+            self._row = self._rows.row(self._block)
+        elif phase == 2:
+            memory.add(self._row)
+        elif phase == 3 and block % _CHOOSE == 0:
+            memory.choose()
+        elif phase == 4 and answers:
+            memory.gather()
+            self._trust = memory.trust(self._scales.zero / self._scales.friction)
+        elif phase == 5 and answers:
+            zero, error = memory.answer(self._trust, self._scales)
+            bound = self.design.largest_zero * self._limit
+            self.zero = np.clip(zero, -bound, bound)
+            self.error = np.clip(error, -self.design.largest_error, self.design.largest_error)
+            self._inertia = (1.0 - self.error) * self._believed

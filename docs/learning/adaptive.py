@@ -1,0 +1,143 @@
+"""Measure what a trained adaptive compensator is worth, into tables beside this file.
+
+    python docs/learning/adaptive.py WEIGHTS
+
+Validation seeds only; half an hour on two cores. WEIGHTS is the policy.safetensors of a training.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+import pandas as pd
+
+import fo_gym
+from baselines.rl.adaptive import AdaptiveCompensator
+from fo_gym import Dahl, ElastoPlastic, MaxwellSlip, Signals
+from fo_gym.evaluation.competitors.entry import competitor_of
+from fo_gym.evaluation.results.statistics import interquartile_mean, paired_difference
+from fo_gym.evaluation.runs.episodes import EpisodeSet
+from fo_gym.evaluation.runs.evaluate import evaluation_seeds
+from fo_gym.evaluation.runs.trial import competitor_trial, reference_trials
+from fo_gym.files import atomic, csv
+from fo_gym.robots import robot_of
+
+HERE = Path(__file__).parent
+ENVIRONMENTS = ("FJRStiction-v0", "FJRRegulation-v0", "FJRSquare-v0")
+CLASSICAL = ("pid-tuned", "pid-measured-tuned", "pd-measured-tuned", "lugre-adaptive-tuned", "pid-high")
+LAWS = (ElastoPlastic, MaxwellSlip, Dahl)
+ARMS = {"FJRRegulation-v0": "examples/arms/two_links.xml", "FJRTracking-v0": "examples/arms/two_links.xml"}
+TOLD = (0.5, 1.0, 2.0, 4.0, 8.0)
+"""When it is asked what is not friction [s]."""
+SEEDS, FEW = 20, 8
+Make = Callable[[], AdaptiveCompensator]
+
+
+def scored(make: Make) -> pd.DataFrame:
+    """The environments as they are scored: everybody's FRR, and the paired difference to the best classical row."""
+    rows = []
+    for env_id in ENVIRONMENTS:
+        for variant in ("hardware", "randomized"):
+            episodes = EpisodeSet(env_id, variant, evaluation_seeds(variant, SEEDS), {})
+            references, trials = reference_trials(episodes)
+            tables = {"bound": trials[2].rows}
+            tables |= {name: competitor_trial(episodes, competitor_of(name), references).rows for name in CLASSICAL}
+            tables["rl-adaptive"] = fo_gym.evaluate(make(), env_id, variant=variant, seeds=SEEDS)
+            mean = {name: interquartile_mean(table["frr"].to_numpy()) for name, table in tables.items()}
+            best = max(CLASSICAL, key=lambda name: mean[name])
+            own, other = (tables[name]["frr"].to_numpy() for name in ("rl-adaptive", best))
+            _, low, high = paired_difference(own, other, np.random.default_rng(0))
+            rows.append(
+                {
+                    "env": env_id,
+                    "variant": variant,
+                    **mean,
+                    "best": best,
+                    "low": low,
+                    "high": high,
+                    **{
+                        f"{metric} of {name}": tables[name][metric].mean()
+                        for metric in ("hunting_ratio", "steady_state_error_ju", "torque_roughness_ratio")
+                        for name in ("rl-adaptive", "pid-tuned", "pid-high")
+                    },
+                }
+            )
+            print(f"measured {env_id}, {variant}: {rows[-1]}", file=sys.stderr)
+    return pd.DataFrame(rows)
+
+
+def elsewhere() -> Iterator[tuple[str, str, str, dict[str, Any]]]:
+    """Where nobody trained: what to call it, environment, variant, arguments."""
+    arm = robot_of("miro_like").friction
+    for env_id in ("FJRStiction-v0", "FJRSquare-v0"):
+        own = robot_of("single_link" if env_id == "FJRStiction-v0" else "miro_like").friction
+        twice = replace(own, f_c=2.0 * own.f_c, f_s=2.0 * own.f_s)  # type: ignore[attr-defined, call-arg]
+        yield "friction x 2", env_id, "hardware", {"friction": twice}
+    for law in LAWS:
+        yield law.__name__, "FJRSquare-v0", "hardware", {"friction": law.like(arm)}
+    for env_id, file in ARMS.items():
+        for variant in ("hardware", "randomized"):
+            yield "two_links.xml", env_id, variant, {"robot": file}
+
+
+def outside(make: Make) -> pd.DataFrame:
+    """Mean 1 - FRR of it and of the observer beneath where nobody trained."""
+    rows = []
+    for name, env_id, variant, kwargs in elsewhere():
+        row: dict[str, Any] = {"case": name, "env": env_id, "variant": variant}
+        learned = make()
+        for who, weights in (("rl-adaptive", learned.weights), ("the observer beneath", None)):
+            compensator = AdaptiveCompensator(learned.design, weights)
+            table = fo_gym.evaluate(compensator, env_id, variant=variant, seeds=FEW, physics_dt="auto", **kwargs)
+            row[who] = 1.0 - table["frr"].mean()
+        rows.append(row)
+        print(f"measured {row}", file=sys.stderr)
+    return pd.DataFrame(rows)
+
+
+def told(make: Make) -> pd.DataFrame:
+    """Root mean square of what is left of zero and inertia error once corrected, as a share of both, by time."""
+    rows = []
+    for env_id in ENVIRONMENTS:
+        seeds = evaluation_seeds("hardware", SEEDS)
+        env: Any = gym.make_vec(env_id, SEEDS, variant="hardware", feedback="measured", duration=TOLD[-1])
+        obs, _ = env.reset(seed=list(seeds))
+        simulation, compensator = env.unwrapped.simulation, make()
+        compensator.reset(simulation.joint_info, SEEDS)
+        sensor = simulation.robot.hardware.sensors.torque.name
+        zero = simulation.get_state().hardware.memory[sensor]["zero"]
+        true = np.array([np.broadcast_to(each.joints.motor_inertia, simulation.dof) for each in simulation.scenarios])
+        error = 1.0 - true / simulation.joint_info.motor_inertia
+        for tick in range(1, round(TOLD[-1] * 1e3)):
+            obs, *_ = env.step(compensator.estimate(Signals.from_observation(obs, simulation.dof)))
+            if tick + 1 in {round(time * 1e3) for time in TOLD}:
+                shares = {"zero": _left(zero, compensator.zero), "inertia": _left(error, compensator.error)}
+                rows.append({"env": env_id, "time": (tick + 1) * 1e-3, **shares})
+        env.close()
+    return pd.DataFrame(rows)
+
+
+def _left(true: Any, estimated: Any) -> float:
+    """Of all joints, each as a share of its own."""
+    return float(np.sqrt(np.mean(np.mean((true - estimated) ** 2, axis=0) / np.mean(true**2, axis=0))))
+
+
+def main(weights: str | Path) -> None:
+    """Write the tables."""
+
+    def make() -> AdaptiveCompensator:
+        return AdaptiveCompensator.load(weights)
+
+    for name, measure in (("told", told), ("scored", scored), ("outside", outside)):
+        atomic(HERE / f"adaptive_{name}.csv", csv(measure(make)))
+        print(f"wrote {HERE / f'adaptive_{name}.csv'}")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])
