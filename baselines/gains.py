@@ -21,8 +21,8 @@ def check_gains(owner: object, name: str, value: Value) -> Value:
     Raises:
         ValueError: it is neither number nor array, or not finite and above 0.
     """
-    if np.ndim(value) == 0:
-        return check_gain(owner, name, value)  # type: ignore[arg-type]
+    if not isinstance(value, np.ndarray):
+        return check_gain(owner, name, value)
     gains = real(f"{type(owner).__name__}: {name}", value)
     if not POSITIVE.holds(gains):
         raise ValueError(f"{type(owner).__name__}: {name} is {shown(value)}; every value must be {POSITIVE}")

@@ -81,7 +81,7 @@ def test_extras_are_those_of_the_project() -> None:
         path.read_text(encoding="utf-8") for part in ("fo_gym", "baselines") for path in (root / part).rglob("*.py")
     ]
     named = {extra for source in sources for extra in re.findall(r"install_command\(['\"](\w+)", source)}
-    assert {"bench", "ray", "reproduce", "rl", "tune"} == named <= set(known)
+    assert {"bench", "page", "ray", "reproduce", "rl", "tune", "video"} == named <= set(known)
     assert not [
         source for source in sources if "pip install 'fo-gym[" in source and "def install_command" not in source
     ]
