@@ -173,5 +173,5 @@ def _gains(contests: Iterable[Contest]) -> dict[tuple[str, str, str, str], str]:
             told = ", ".join(
                 f"{key}={value:.4g}" if isinstance(value, float) else f"{key}={value}" for key, value in gains.items()
             )
-            found[episodes.env_id, episodes.robot.name, episodes.variant, each.name] = told
+            found[*_where(contest), each.name] = told
     return found

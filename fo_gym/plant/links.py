@@ -60,10 +60,8 @@ class Links:
     """
 
     def __init__(self, link_side: LinkSide) -> None:
-        self._tool = link_side.tool
         model = link_side.model
         data = mujoco.MjData(model)
-        data.qpos[:] = model.qpos0
         mujoco.mj_kinematics(model, data)
         self.reference = model.qpos0.copy()
         self.joints = _joints(model, data)

@@ -23,9 +23,6 @@ from fo_gym.tasks.scenario import Scenario
 Array = NDArray[np.float64]
 Ids = NDArray[np.intp]
 
-_CHUNK = 1000
-"""Poses whose gravity is asked for at once."""
-
 __all__ = ["JointPath", "JointPathControl"]
 
 

@@ -17,7 +17,6 @@ from fo_gym.envs.vector import JointVectorEnv
 from fo_gym.evaluation.episode.calls import checked_estimate, checked_reset
 from fo_gym.evaluation.episode.recording import Recording
 from fo_gym.evaluation.episode.stored import stored_energy
-from fo_gym.plant.links import Links
 from fo_gym.signals import Signals
 from fo_gym.simulation.past_step import PastStep
 
@@ -147,7 +146,7 @@ class _Recorder:
         simulation = self.simulation
         stored = stored_energy(simulation, self.ticks)
         if simulation.task.reference.of_tool:
-            links = Links(simulation.robot.link_side)
+            links = simulation.plant.body.links
             tool = [links.tool_position(self.ticks["q"][:, i]) for i in range(self.env.num_envs)]
             self.ticks["tool"] = np.stack(tool, axis=1)
         if simulation.hands is not None:
