@@ -28,6 +28,7 @@ reproduce-quick: $(VENV)/.reproduce  ## the same with fewer random cases, to bui
 train: $(VENV)/.rl  ## train the learned compensators as they are shipped, to build/train/ (minutes; goes on after a kill)
 	$(BIN)/fo-gym train --out build/train/rl-residual
 	$(BIN)/fo-gym train --direct --segments 12 --out build/train/rl-direct
+	$(BIN)/fo-gym train --adaptive --out build/train/rl-adaptive
 
 study: $(VENV)/.rl  ## compare six RL algorithms on three environments, to build/study (a night; goes on after a kill)
 	$(BIN)/python -m baselines.rl.study --out build/study
@@ -127,34 +128,10 @@ $(VENV)/.run: $(VENV)/.base pyproject.toml
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable .
 	touch $@
 
-$(VENV)/.reproduce: $(VENV)/.run
-	@echo "installing what the certificate needs into $(VENV)"
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[reproduce]'
-	touch $@
-
-$(VENV)/.rl: $(VENV)/.run
-	@echo "installing what training needs into $(VENV)"
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[rl]'
-	touch $@
-
-$(VENV)/.tune: $(VENV)/.run
-	@echo "installing what tuning needs into $(VENV)"
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[tune]'
-	touch $@
-
-$(VENV)/.page: $(VENV)/.run
-	@echo "installing what pages are made of into $(VENV)"
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[page]'
-	touch $@
-
-$(VENV)/.bench: $(VENV)/.run
-	@echo "installing the peers of the benchmark of speed into $(VENV)"
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[bench]'
-	touch $@
-
-$(VENV)/.docs: $(VENV)/.run
-	@echo "installing what the documentation needs into $(VENV)"
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[docs]'
+EXTRAS := reproduce rl tune page bench docs
+$(EXTRAS:%=$(VENV)/.%): $(VENV)/.%: $(VENV)/.run
+	@echo "installing the extra $* into $(VENV)"
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[$*]'
 	touch $@
 
 $(VENV)/.dev: $(VENV)/.reproduce

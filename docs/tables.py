@@ -8,22 +8,20 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from learning.tables import LEARNING  # beside this file
 
 from fo_gym.bench.report import write_page
 from fo_gym.evaluation.metrics import METRICS
 from fo_gym.evaluation.metrics.registry import HEADLINE
 from fo_gym.evaluation.results.laws import finding as over_laws
-from fo_gym.evaluation.results.statistics import interquartile_mean, paired_difference
 from fo_gym.evaluation.results.tables import Ranking, explained, finding, markdown, summary
-from fo_gym.evaluation.runs.episodes import SET, label_of
+from fo_gym.evaluation.runs.episodes import SET
 from fo_gym.evaluation.runs.protocol import load_protocol
 from fo_gym.files import read_csv
 from fo_gym.reproduction.report import PLACES, counts
 from fo_gym.reproduction.wording import FAILS, HOLDS, tolerance
 
 ROOT = Path(__file__).parent.parent
-LEARNED = ("rl-residual", "rl-direct")
-PAPER = ("pid-low", "pid-high", "pd-low", "pd-high", "letien-low", "letien-high")
 
 
 def leaderboard() -> str:
@@ -104,59 +102,6 @@ def _cell(value: object) -> str:
     return str(value)
 
 
-def learned() -> str:
-    """FRR of the learned compensators beside the paper's observers and the tuned ones, from the leaderboard."""
-    episodes = _csv("leaderboard/episodes.csv")
-    cells = []
-    for (env, robot, variant), rows in episodes.groupby(SET, sort=False):
-        frr = rows.pivot(index="seed", columns="compensator", values="frr")
-        mean = frr.apply(interquartile_mean)
-        paper, tuned = str(mean[list(PAPER)].idxmax()), str(mean.filter(regex="-tuned$").idxmax())
-        ratio = (1.0 - mean["rl-residual"]) / (1.0 - mean[paper])
-        _, low, high = paired_difference(frr["rl-residual"], frr[paper], np.random.default_rng(0))
-        shown = (f"{mean[name]:.4f}" for name in LEARNED)
-        best, other = (f"{name} {mean[name]:.4f}" for name in (paper, tuned))
-        cells.append(
-            [label_of(env, robot, variant), best, *shown, f"{ratio:.2f}", f"{low:+.4f} ... {high:+.4f}", other]
-        )
-    headings = ["episodes", "best with the paper's gains", *LEARNED]
-    headings += ["ratio of 1 - FRR", "paired difference, 95 %", "best tuned"]
-    return markdown(Ranking("", headings, cells))
-
-
-def outside() -> str:
-    """1 - FRR inside and outside the training range, beside the observer that the policy is added to."""
-    sweep = _csv("docs/learning/sweep.csv")
-    names = list(dict.fromkeys(sweep["compensator"]))
-    cells = []
-    for (env, parameter, factor), rows in sweep.groupby(["env", "parameter", "factor"], sort=False):
-        if (parameter, factor) not in (("friction", 1.0), ("friction", 2.0), ("motor_inertia", 1.5)):
-            continue
-        mean = rows.set_index("compensator")["residual_mean"]
-        what = "as scored" if factor == 1.0 else f"{parameter.replace('_', ' ')} x {factor:g}"
-        ratio = mean["rl-residual"] / mean["pid-high"]
-        cells.append([str(env), what, *(f"{mean[name]:.4f}" for name in names), f"{ratio:.2f}"])
-    return markdown(Ranking("", ["environment", "episodes", *names, "rl-residual over pid-high"], cells))
-
-
-def ticks() -> str:
-    """Time of one control tick."""
-    table = _csv("docs/learning/ticks.csv")
-    columns = ["compensator", "median_us", "p99_us"]
-    cells = [[_cell(row[column]) for column in columns] for row in table.to_dict("records")]
-    return markdown(Ranking("", ["compensator", "median [us]", "99th percentile [us]"], cells))
-
-
-def training() -> str:
-    """How long the trainings of the shipped weights took, and how much of it the environment."""
-    cells = []
-    for name in LEARNED:
-        timing = _csv(f"baselines/rl/weights/{name}/timing.csv").sum()
-        share = timing["environment_seconds"] / timing["seconds"]
-        cells.append([name, f"{timing['seconds'] / 60:.1f} min", f"{100 * share:.0f} %"])
-    return markdown(Ranking("", ["weights", "training", "of it the environment's"], cells))
-
-
 def _differences() -> pd.DataFrame:
     """docs/processors/differences.csv, with the variants of exact sensors counted as one."""
     table = _csv("docs/processors/differences.csv")
@@ -213,7 +158,7 @@ PAGES: dict[str, dict[str, Callable[[], str]]] = {
     "docs/baselines.md": {name: partial(measured, "baselines", name) for name in ("drift", "shares", "adaptive")},
     "docs/processors.md": {"tolerances": tolerances, "chaotic": chaotic},
     "docs/friction.md": {"laws": laws},
-    "docs/learning.md": {"learned": learned, "outside": outside, "ticks": ticks, "training": training},
+    "docs/learning.md": LEARNING,
 }
 """What stands between the marks of each name in each page."""
 

@@ -30,6 +30,7 @@ __all__ = [
     "Ideal",
     "NoCompensation",
     "declared_gains",
+    "diagnostics_of",
     "has_array_gains",
     "has_learned",
     "is_privileged",
@@ -53,6 +54,8 @@ class Compensator(Protocol):
             a class or an instance that is handed over, or the project's own. Without this attribute it sees nothing.
         array_gains: optional; True where its gains may be arrays that broadcast against (num_envs, dof), so that one
             instance serves a batch in which every environment has gains of its own: maps of gains are then quick.
+        diagnostics: optional; torques by name that explain the last estimate, (num_envs, dof) each, N or N m, always
+            the same names. Traces keep them and pages draw them, below friction and its estimate; no score sees them.
     """
 
     feedback: str
@@ -247,6 +250,12 @@ def is_privileged(compensator: Compensator) -> bool:
 def has_array_gains(compensator: Compensator) -> bool:
     """Whether each environment may have gains of its own, as it says itself."""
     return bool(getattr(compensator, "array_gains", False))
+
+
+def diagnostics_of(compensator: Compensator) -> Mapping[str, Array]:
+    """Torques by name that explain its last estimate, (num_envs, dof) each, N or N m; none where it tells none."""
+    told: Mapping[str, Array] = getattr(compensator, "diagnostics", {})
+    return told
 
 
 def declared_gains(compensator: Any) -> dict[str, tuple[float, float, float]]:

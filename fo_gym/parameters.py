@@ -158,3 +158,18 @@ class JointInfo:
     torque_limit: Array
     control_dt: float
     identified: LuGre | None = None
+
+    def ticks(self, what: str, period: float, least: int = 1) -> int:
+        """Control periods from one time to the next of what comes every `period` [s].
+
+        Raises:
+            ValueError: they are no whole number, or fewer than `least`; the message begins with `what`.
+        """
+        ticks = round(period / self.control_dt)
+        if ticks < least or abs(ticks * self.control_dt - period) > 1e-9:
+            most = f", at most {period / least:g} s" if least > 1 else ""
+            raise ValueError(
+                f"{what} every {period:g} s, which does not suit control_dt = {self.control_dt:g} s; "
+                f"choose a control_dt that divides {period:g} s{most}"
+            )
+        return ticks

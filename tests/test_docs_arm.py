@@ -29,7 +29,8 @@ def test_its_friction_is_the_arms(name: str) -> None:
     np.testing.assert_allclose(getattr(robot_of("miro_like").friction, name), shown, rtol=1e-3)
 
 
-def test_its_tables_are_the_measured_ones() -> None:
+def test_its_tables_are_the_measured_ones(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(DOCS)
     spec = importlib.util.spec_from_file_location("docs_tables", DOCS / "tables.py")
     assert spec is not None
     assert spec.loader is not None

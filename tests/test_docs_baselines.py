@@ -20,7 +20,7 @@ def test_the_table_names_every_classical_row_with_its_file_its_feedback_and_its_
     classical = {
         entry.name: entry.value
         for entry in entry_points(group="fo_gym.compensators")
-        if entry.value[:13] != "baselines.rl:"
+        if not entry.value.startswith("baselines.rl")
     }
     assert set(classical) - set(written) == set()
     for name, (_, file, feedback, gains) in written.items():

@@ -42,9 +42,9 @@ FAILURES = {
         r"estimate raised ValueError at tick 0: estimate is \[\['much'\]\], of type <U4; give real numbers"
     ),
     "forgers.py:Early": r"at tick \d+: it answered before it was asked",
-    "forgers.py:Flood": "at tick 2: it sent 10000002 bytes; 65536 are allowed",
+    "forgers.py:Flood": "at tick 2: it sent 10000002 bytes; 1048576 are allowed",
     "forgers.py:Garbage": "at tick 2: it sent what is no JSON",
-    "forgers.py:Long": "at tick 2: it sent 4294967295 bytes; 65536 are allowed",
+    "forgers.py:Long": "at tick 2: it sent 4294967295 bytes; 1048576 are allowed",
     "forgers.py:Deep": "at tick 2: it sent what is no JSON",
     "forgers.py:Stranger": "at tick 2: it answered with the letter b'\\?'",
     "forgers.py:Nowhere": "at tick 2: it sent a shape that is none",

@@ -14,7 +14,7 @@ import fo_gym
 from baselines.rl.adaptive import AdaptiveDesign
 from baselines.rl.adaptive import rollouts as rollouts_module
 from baselines.rl.adaptive import training as training_module
-from baselines.rl.adaptive.course import random_chain, training_batch
+from baselines.rl.adaptive.course import Shares, random_chain, training_batch
 from baselines.rl.adaptive.rollouts import Noting, rollout
 from baselines.rl.adaptive.training import AdaptivePlan, train_adaptive
 from fo_gym.cli import app
@@ -40,7 +40,7 @@ class TestCourse:
 
     def test_a_batch_is_of_one_robot_with_measured_feedback(self, tmp_path):
         for seed in range(4):
-            env = training_batch(np.random.default_rng(seed), tmp_path, 2)
+            env = training_batch(np.random.default_rng(seed), tmp_path, 2, Shares())
             simulation = env.unwrapped.simulation
             assert simulation.robot.name in ("single_link", "chain")
             assert simulation.settings.feedback == "measured"
@@ -51,6 +51,19 @@ class TestCourse:
         firsts = [plan.episode_seed(segment, batch) for segment in range(99) for batch in range(99)]
         assert min(np.diff(firsts)) >= 32
         assert firsts[-1] + 32 in TRAINING_SEEDS
+
+    @pytest.mark.parametrize(
+        ("shares", "names"), [(Shares(links=1.0), {"single_link"}), (Shares(links=0.0), {"chain"})]
+    )
+    def test_shares_say_what_is_drawn(self, tmp_path, shares, names):
+        robots = set()
+        for seed in range(3):
+            env = training_batch(np.random.default_rng(seed), tmp_path, 1, shares)
+            robots.add(env.unwrapped.simulation.robot.name)
+            env.close()
+        assert robots == names
+        with pytest.raises(ValueError, match=r"Shares\.laws is 1\.5"):
+            Shares(laws=1.5)
 
     @pytest.mark.parametrize("change", [{"seed": -1}, {"segments": 0}, {"batches": 100}, {"steps": 0}])
     def test_plans_that_are_none(self, change):
@@ -63,7 +76,7 @@ class TestCourse:
 class TestTraining:
     def test_the_truth_is_what_the_blocks_hold(self):
         """Where nothing moves, r is what the zero, and what holds the joint, make of it; the truth is in its units."""
-        made = rollout(Noting(AdaptiveDesign(), None), (0, 0, 1), 100)
+        made = rollout(Noting(AdaptiveDesign(), None), (0, 0, 1), 100, Shares())
         assert made["blocks"].shape[1:] == (890, 4)
         assert made["truth"].shape == (len(made["blocks"]), 2)
         assert np.isfinite(made["blocks"]).all()

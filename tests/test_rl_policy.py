@@ -106,7 +106,7 @@ class TestLoop:
         np.testing.assert_array_equal(mixed[[0, 2]], used[[0, 2]])
 
     def test_a_rate_that_does_not_fit(self):
-        with pytest.raises(ValueError, match=r"every 0\.002 s cannot run at control_dt = 0\.003 s"):
+        with pytest.raises(ValueError, match=r"every 0\.002 s, which does not suit control_dt = 0\.003 s"):
             PolicyLoop(RESIDUAL).reset(joints(control_dt=3e-3), ENVS)
         with pytest.raises(ValueError, match="too fast"):
             PolicyLoop(replace(RESIDUAL, period=0.01)).reset(joints(control_dt=0.01), ENVS)

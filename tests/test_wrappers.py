@@ -266,5 +266,5 @@ def test_a_policy_is_scored_beside_the_others():
 
 
 def test_the_rate_of_a_policy_must_fit():
-    with pytest.raises(fo_gym.CompensatorError, match="no whole number of periods"):
+    with pytest.raises(fo_gym.CompensatorError, match="which does not suit control_dt"):
         fo_gym.evaluate(AgentCompensator(Wave(), 0.0105), SQUARE_ID, duration=0.1)

@@ -36,17 +36,3 @@ class Design:
             value = getattr(self, name)
             if not (isinstance(value, int | float) and np.isfinite(value) and value > 0):
                 raise ValueError(f"Design.{name} is {value!r}; it must be a finite number above 0")
-
-    def hold(self, control_dt: float) -> int:
-        """Control ticks between two actions.
-
-        Raises:
-            ValueError: the period is no whole number of control periods.
-        """
-        ticks = round(self.period / control_dt)
-        if ticks < 1 or abs(ticks * control_dt - self.period) > 1e-9:
-            raise ValueError(
-                f"a policy that acts every {self.period} s cannot run at control_dt = {control_dt} s; "
-                f"choose a control_dt that divides {self.period} s"
-            )
-        return ticks

@@ -66,7 +66,7 @@ class PolicyLoop:
             ValueError: the observer, or the policy's rate, does not fit control_dt.
         """
         check_bandwidth(self, self.design.L, joints)
-        self.hold = self.design.hold(joints.control_dt)
+        self.hold = joints.ticks("the policy acts", self.design.period)
         self._dt = joints.control_dt
         shape = (num_envs, joints.dof)
         self._inertia, self._scale, self._integral = np.empty(shape), np.empty(shape), np.empty(shape)

@@ -13,13 +13,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import gymnasium as gym
 import numpy as np
 import pandas as pd
+from beliefs import beliefs  # beside this file
 
 import fo_gym
 from baselines.rl.adaptive import AdaptiveCompensator
-from fo_gym import Dahl, ElastoPlastic, MaxwellSlip, Signals
+from fo_gym import Dahl, ElastoPlastic, MaxwellSlip
 from fo_gym.evaluation.competitors.entry import competitor_of
 from fo_gym.evaluation.results.statistics import interquartile_mean, paired_difference
 from fo_gym.evaluation.runs.episodes import EpisodeSet
@@ -105,21 +105,11 @@ def told(make: Make) -> pd.DataFrame:
     """Root mean square of what is left of zero and inertia error once corrected, as a share of both, by time."""
     rows = []
     for env_id in ENVIRONMENTS:
-        seeds = evaluation_seeds("hardware", SEEDS)
-        env: Any = gym.make_vec(env_id, SEEDS, variant="hardware", feedback="measured", duration=TOLD[-1])
-        obs, _ = env.reset(seed=list(seeds))
-        simulation, compensator = env.unwrapped.simulation, make()
-        compensator.reset(simulation.joint_info, SEEDS)
-        sensor = simulation.robot.hardware.sensors.torque.name
-        zero = simulation.get_state().hardware.memory[sensor]["zero"]
-        true = np.array([np.broadcast_to(each.joints.motor_inertia, simulation.dof) for each in simulation.scenarios])
-        error = 1.0 - true / simulation.joint_info.motor_inertia
-        for tick in range(1, round(TOLD[-1] * 1e3)):
-            obs, *_ = env.step(compensator.estimate(Signals.from_observation(obs, simulation.dof)))
-            if tick + 1 in {round(time * 1e3) for time in TOLD}:
-                shares = {"zero": _left(zero, compensator.zero), "inertia": _left(error, compensator.error)}
-                rows.append({"env": env_id, "time": (tick + 1) * 1e-3, **shares})
-        env.close()
+        known = beliefs(make(), env_id, evaluation_seeds("hardware", SEEDS), TOLD[-1] + 0.1)
+        for time in TOLD:
+            believed = {name: values[round(time / known.dt)] for name, values in known.believed.items()}
+            left = {name: _left(known.true[name], value) for name, value in believed.items()}
+            rows.append({"env": env_id, "time": time, **left})
     return pd.DataFrame(rows)
 
 

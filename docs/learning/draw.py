@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from beliefs import beliefs  # beside this file
 from matplotlib.figure import Figure
 
 import fo_gym
@@ -18,6 +19,7 @@ from fo_gym.files import draft_of
 
 HERE = Path(__file__).parent
 COLOURS = {"pid-high": "C0", "pid, L = 200": "C2", "rl-residual": "C1", "rl-direct": "C3"}
+POLICIES = ("rl-direct", "rl-residual")
 TRACED = ("pid-high", "rl-residual", "rl-direct")
 EPISODE = 1_000_000_003
 """A validation seed: the episode that is drawn."""
@@ -34,8 +36,8 @@ NAMES = {
 
 
 def curves() -> Figure:
-    """Learning curves of every training that was kept."""
-    named = {f"{folder.name}, seed 0": pd.read_csv(folder / "curve.csv") for folder in sorted(SHIPPED.iterdir())}
+    """Learning curves of every training of a policy that was kept."""
+    named = {f"{name}, seed 0": pd.read_csv(SHIPPED / name / "curve.csv") for name in POLICIES}
     for file in sorted(HERE.glob("curve-*.csv")):
         named[file.stem.removeprefix("curve-").replace("_seed_", ", seed ")] = pd.read_csv(file)
     return curve_figure(named)
@@ -82,8 +84,29 @@ def sweeps() -> Figure:
     return figure
 
 
+def told() -> Figure:
+    """What the adaptive compensator says of zero and inertia (solid), and what is true (dashed), in one episode."""
+    figure = Figure(figsize=(7.2, 4.6), layout="constrained")
+    axes = figure.subplots(2, 2, sharex="col")
+    panels = (("FJRStiction-v0", (0,)), ("FJRSquare-v0", (0, 1, 3, 5)))
+    for column, (env_id, joints) in zip(axes.T, panels, strict=True):
+        known = beliefs(fo_gym.make_compensator("rl-adaptive"), env_id, (EPISODE,), 8.0)  # type: ignore[arg-type]
+        for axis, (name, factor) in zip(column, (("zero", 1.0), ("inertia", 100.0)), strict=True):
+            believed, true = factor * known.believed[name][:, 0], factor * known.true[name][0]
+            for k, joint in enumerate(joints):
+                axis.plot(known.dt * np.arange(len(believed)), believed[:, joint], color=f"C{k}", lw=1.0)
+                axis.axhline(true[joint], color=f"C{k}", ls="--", lw=0.9, label=f"joint {joint + 1}")
+            axis.grid(alpha=0.3)
+        column[0].set_title(f"{env_id}, hardware", fontsize="medium")
+        column[0].set_ylabel(f"zero [{known.unit}]")
+        column[1].set_ylabel("error of B [%]")
+        column[1].set_xlabel("time [s]")
+    axes[0, 1].legend(fontsize="small", ncols=2)
+    return figure
+
+
 if __name__ == "__main__":
-    for function in (curves, traces, sweeps):
+    for function in (curves, traces, sweeps, told):
         with draft_of(HERE / f"{function.__name__}.png") as draft:
             function().savefig(draft, dpi=110, metadata={"Software": None})
         print(f"wrote {HERE / function.__name__}.png")

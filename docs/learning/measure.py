@@ -84,9 +84,9 @@ def sweep() -> pd.DataFrame:
 def ticks(calls: int = 20_000) -> pd.DataFrame:
     """Time of one call of `estimate` for the seven joints of one arm, as a control loop would make it."""
     rows = []
-    env = gym.make("FJRRegulation-v0", feedback="nominal", variant="randomized")
-    for name in (OBSERVER, "rl-residual"):
+    for name in (OBSERVER, "rl-residual", "rl-adaptive"):
         compensator, seconds = fo_gym.make_compensator(name), np.empty(calls)
+        env = gym.make("FJRRegulation-v0", feedback=compensator.feedback, variant="randomized")
         obs, _ = env.reset(seed=0)
         compensator.reset(env.unwrapped.joint_info, 1)
         for k in range(calls):

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.evaluation.episode.trace import Trace
+from fo_gym.evaluation.episode.trace import DIAGNOSTIC, Trace
 
 _LEVELS = 65_534
 """Steps of a column between its least and its largest value; the number above them stands for a gap."""
@@ -75,6 +75,9 @@ def trace_script(key: str, trace: Trace) -> str:
         "tau_f": _columns(signals["tau_f"]),
         "tau_f_hat": _columns(signals["tau_f_hat"]),
     }
+    own = {name.removeprefix(DIAGNOSTIC): _columns(signals[name]) for name in signals if name.startswith(DIAGNOSTIC)}
+    if own:
+        told["diagnostics"] = own
     if "tool" in signals:
         plane = np.sort(np.argsort(np.ptp(signals["tool_d"], axis=0), kind="stable")[1:])
         told["axes"] = "".join("xyz"[axis] for axis in plane)

@@ -73,12 +73,7 @@ class AgentCompensator:
         Raises:
             ValueError: the period is no whole number of control periods.
         """
-        self._hold = round(self._period / joints.control_dt)
-        if self._hold < 1 or abs(self._hold * joints.control_dt - self._period) > 1e-9:
-            raise ValueError(
-                f"the policy acts every {self._period:g} s, which is no whole number of periods of "
-                f"{joints.control_dt:g} s; evaluate it with a control_dt that divides its period"
-            )
+        self._hold = joints.ticks("the policy acts", self._period)
         self._joints, self._tick = joints, 0
         self._frames, self._state = Frames(self._stack), None
         self._action, self._applied = np.zeros((2, num_envs, joints.dof))

@@ -11,17 +11,22 @@ from baselines.gains import check_bandwidth
 from baselines.rl.adaptive.design import AdaptiveDesign
 from baselines.rl.adaptive.memory import Memory
 from baselines.rl.adaptive.readings import WATCHED, ControllerStiffness, DelayedTorque
-from baselines.rl.adaptive.rows import Block, Rows, Scales
+from baselines.rl.adaptive.rows import Block, Row, Rows, Scales
 from baselines.rl.adaptive.storage import load_weights
 from baselines.rl.adaptive.weights import Weights
 from fo_gym import JointInfo, Signals
 
 Array = NDArray[np.float64]
 
-_ANSWER, _CHOOSE = 2, 20
-"""Blocks between two answers, and between two choices of the ripple's period."""
+SHIPPED = Path(__file__).parents[1] / "weights" / "rl-adaptive"
+"""Folder of the training whose weights come with the package."""
 
-__all__ = ["AdaptiveCompensator"]
+_PARTS = 10
+"""Of the work of a block, one a tick."""
+_ANSWER, _CHOOSE = 2, 20
+"""Blocks between two answers, and between two choices of a joint's period of the ripple, one joint after the other."""
+
+__all__ = ["SHIPPED", "AdaptiveCompensator", "rl_adaptive"]
 
 
 class AdaptiveCompensator:
@@ -44,8 +49,6 @@ class AdaptiveCompensator:
 
     Attributes:
         zero, error: as estimated, (num_envs, dof) [N | N m] and [1].
-        correction: what they change in what is taken for friction, (num_envs, dof) [N | N m]:
-            -zero - error B theta_n''.
     """
 
     feedback = "measured"
@@ -62,15 +65,15 @@ class AdaptiveCompensator:
     def reset(self, joints: JointInfo, num_envs: int) -> None:
         """Start new episodes. Raises ValueError where control_dt does not suit the observer or the blocks."""
         check_bandwidth(self, self.design.L, joints)
-        self._ticks, self._dt = self.design.block(joints.control_dt), joints.control_dt
+        self._ticks, self._dt = joints.ticks("it learns", self.design.period, _PARTS), joints.control_dt
         shape = (num_envs, joints.dof)
         self._believed = np.broadcast_to(joints.motor_inertia, shape).copy()
         self._limit = np.broadcast_to(joints.torque_limit, shape).copy()
         self._late = DelayedTorque(self.design.delays(self._dt), shape, round(WATCHED / self._dt))
         self._stiffness = ControllerStiffness(shape)
         self._memory = None if self.weights is None else Memory(self.weights, shape)
-        self.zero, self.error, self.correction = np.zeros((3, *shape))
-        self._inertia = self._believed
+        self.zero, self.error, self._acceleration = np.zeros((3, *shape))
+        self._inertia, self._gain = self._believed, self.design.L * self._believed
         self._integral, self._sum = np.zeros(shape), np.zeros(shape)
         self._tau_j_sum = np.zeros(shape)
         self._tick = 0
@@ -84,14 +87,23 @@ class AdaptiveCompensator:
         late = self._late.now(signals.tau_c, signals.tau_m)
         e, e_dot = self._theta_n - signals.theta, self._theta_n_dot - signals.theta_dot
         spring = self._stiffness.kp * e + self._stiffness.kd * e_dot
-        gain = self.design.L * self._inertia
-        estimate = spring - gain * (e_dot + self.design.Lp * e + self.design.Li * self._integral)
-        estimate = np.clip(estimate, -self._limit, self._limit)
+        estimate = spring - self._gain * (e_dot + self.design.Lp * e + self.design.Li * self._integral)
+        estimate = np.minimum(np.maximum(estimate, -self._limit), self._limit)
         self._integral += self._dt * e
         self._driving = late - spring
         self._late.commanded(signals.tau_c - estimate)
         self._tick += 1
         return estimate
+
+    @property
+    def correction(self) -> Array:
+        """What they change in what is taken for friction, -zero - error B theta_n'', (num_envs, dof) [N | N m]."""
+        return -self.zero - self.error * self._believed * self._acceleration
+
+    @property
+    def diagnostics(self) -> dict[str, Array]:
+        """What it has learned that is not friction, as torques: the zero, and the correction."""
+        return {"zero": self.zero, "correction": self.correction}
 
     def _begin(self, signals: Signals) -> None:
         """The nominal motor starts from the measured one; so does the first block."""
@@ -113,6 +125,8 @@ class AdaptiveCompensator:
         self._tau_j[:] = signals.tau_j
         if phase == 0:
             self._end_block(signals)
+        elif phase == 1 and self._tick > self._ticks:
+            self._stiffness.block(*self._start, *self._commanded)
         if self._memory is not None and self._tick > self._ticks:
             self._learn(self._memory, phase, self._tick // self._ticks)
 
@@ -121,7 +135,7 @@ class AdaptiveCompensator:
         acceleration = (self._driving - tau_j + self.zero) / self._inertia
         self._theta_n += self._dt * self._theta_n_dot + (0.5 * self._dt**2) * acceleration
         self._theta_n_dot += self._dt * acceleration
-        self.correction = -self.zero - self.error * self._believed * acceleration
+        self._acceleration = acceleration
 
     def _end_block(self, signals: Signals) -> None:
         theta, theta_dot = self._start
@@ -131,23 +145,39 @@ class AdaptiveCompensator:
         self._block = Block(self._believed * acceleration + tau_j - tau_m, velocity, acceleration, tau_j)
         self._sum[:] = self._tau_j_sum[:] = 0.0
         self._start = signals.theta.copy(), signals.theta_dot.copy()
-        self._stiffness.block(signals.theta, signals.theta_dot, signals.tau_c, signals.theta_d)
+        self._commanded = signals.tau_c.copy(), signals.theta_d.copy()
 
     def _learn(self, memory: Memory, phase: int, block: int) -> None:
         """One part of what a block has to be done with, by the tick within it."""
         answers = block % _ANSWER == 0
-        if phase == 1:
-            self._row = self._rows.row(self._block)
-        elif phase == 2:
+        if phase == 2:
+            self._shapes = self._rows.shapes(self._block)
+        elif phase == 3:
+            columns, turned, side = self._shapes
+            self._row = Row(columns, turned, self._rows.inputs(self._block), side)
+            memory.weigh(self._row)
+        elif phase == 4:
             memory.add(self._row)
-        elif phase == 3 and block % _CHOOSE == 0:
-            memory.choose()
-        elif phase == 4 and answers:
+        elif phase == 5:
+            memory.choose(slice(block % _CHOOSE, None, _CHOOSE))
+        elif phase == 6 and answers:
             memory.gather()
+        elif phase == 7 and answers:
+            memory.explain()
+        elif phase == 8 and answers:
             self._trust = memory.trust(self._scales.zero / self._scales.friction)
-        elif phase == 5 and answers:
-            zero, error = memory.answer(self._trust, self._scales)
-            bound = self.design.largest_zero * self._limit
-            self.zero = np.clip(zero, -bound, bound)
-            self.error = np.clip(error, -self.design.largest_error, self.design.largest_error)
-            self._inertia = (1.0 - self.error) * self._believed
+        elif phase == 9 and answers:
+            self._believe(*memory.answer(self._trust, self._scales))
+
+    def _believe(self, zero: Array, error: Array) -> None:
+        """From now on, within the bounds."""
+        bound, most = self.design.largest_zero * self._limit, self.design.largest_error
+        self.zero = np.minimum(np.maximum(zero, -bound), bound)
+        self.error = np.minimum(np.maximum(error, -most), most)
+        self._inertia = (1.0 - self.error) * self._believed
+        self._gain = self.design.L * self._inertia
+
+
+def rl_adaptive(weights: str | Path = SHIPPED / "policy.safetensors") -> AdaptiveCompensator:
+    """The adaptive compensator, trained on the single link and on random chains of the variant `hardware`."""
+    return AdaptiveCompensator.load(weights)

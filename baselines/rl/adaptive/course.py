@@ -5,7 +5,7 @@ Ranges are wider than those of the scored variants. The scored arm is not among 
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -55,10 +55,28 @@ EFFECTS: dict[str, tuple[float, float]] = {
 DELAYS, LOAD = (0, 1, 2, 3), (0.0, 0.15)
 """Of commands [ms]; gain of the friction that the load adds."""
 BELIEFS = ModelError(motor_inertia=(0.87, 1.15), stiffness=(0.85, 1.15), mass=(0.85, 1.05))
-LINKS, EXACT, LAWS = 0.35, 0.12, 0.375
-"""Shares of batches: of the single link; with exact signals; with another friction law than LuGre."""
 
-__all__ = ["described", "random_chain", "training_batch"]
+__all__ = ["Shares", "described", "random_chain", "training_batch"]
+
+
+@dataclass(frozen=True)
+class Shares:
+    """Shares of batches, from 0 to 1.
+
+    Attributes:
+        links: of the single link; the others are of random chains.
+        exact: with exact signals.
+        laws: with another friction law than LuGre.
+    """
+
+    links: float = 0.35
+    exact: float = 0.25
+    laws: float = 0.375
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if not 0.0 <= value <= 1.0:
+                raise ValueError(f"Shares.{name} is {value}; it must be from 0 to 1")
 
 
 def described() -> dict[str, Any]:
@@ -89,16 +107,18 @@ def random_chain(generator: np.random.Generator, folder: Path) -> Robot:
     return Robot.from_file(file, tool="tip")
 
 
-def training_batch(generator: np.random.Generator, folder: Path, num_envs: int) -> VectorEnv[Any, Any, Any]:
+def training_batch(
+    generator: np.random.Generator, folder: Path, num_envs: int, shares: Shares
+) -> VectorEnv[Any, Any, Any]:
     """Episodes of one robot and task, drawn from `generator`, with measured feedback."""
-    link = generator.random() < LINKS
+    link = generator.random() < shares.links
     robot = None if link else random_chain(generator, folder)
     own = _link() if robot is None else robot
-    exact = generator.random() < EXACT
+    exact = generator.random() < shares.exact
     settings: dict[str, Any] = {"variant": "randomized" if exact else "hardware"}
     if not exact and own.hardware is not None:
         settings["hardware"] = _hardware(own.hardware, generator)
-    settings["task"], settings["friction"] = _task(own, generator, link), _law(own.friction, generator)
+    settings["task"], settings["friction"] = _task(own, generator, link), _law(own.friction, generator, shares)
     return gym.make_vec("FJRRegulation-v0", num_envs, robot=own, feedback="measured", physics_dt="auto", **settings)
 
 
@@ -109,9 +129,9 @@ def _link() -> Robot:
     return robot
 
 
-def _law(friction: FrictionLaw, generator: np.random.Generator) -> FrictionLaw:
+def _law(friction: FrictionLaw, generator: np.random.Generator, shares: Shares) -> FrictionLaw:
     """LuGre, or another law as like it as can be."""
-    if generator.random() >= LAWS or not isinstance(friction, LuGre):
+    if generator.random() >= shares.laws or not isinstance(friction, LuGre):
         return friction
     laws = (ElastoPlastic, MaxwellSlip, Dahl)
     return laws[generator.integers(len(laws))].like(friction)

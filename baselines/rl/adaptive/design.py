@@ -35,20 +35,6 @@ class AdaptiveDesign:
             if not (isinstance(value, int | float) and np.isfinite(value) and value > 0):
                 raise ValueError(f"AdaptiveDesign.{name} is {value!r}; it must be a finite number above 0")
 
-    def block(self, control_dt: float) -> int:
-        """Control ticks of a block.
-
-        Raises:
-            ValueError: a block would have fewer than six of them, or no whole number.
-        """
-        ticks = round(self.period / control_dt)
-        if ticks < 6 or abs(ticks * control_dt - self.period) > 1e-9:
-            raise ValueError(
-                f"what is learned every {self.period} s cannot be learned at control_dt = {control_dt} s; "
-                f"choose a control_dt that divides {self.period} s, at most a sixth of it"
-            )
-        return ticks
-
     def delays(self, control_dt: float) -> int:
         """How many delays of commands are told apart: 0, 1, ... control periods."""
         return ceil(self.longest_delay / control_dt - 1e-9)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baselines.rl.adaptive.rows import COLUMNS, INERTIA, PERIODS, RIPPLE, Row, Scales
-from baselines.rl.adaptive.weights import Weights
+from baselines.rl.adaptive.weights import SUMMARY, Weights
 
 Array = NDArray[np.float64]
 
@@ -40,46 +40,54 @@ class Memory:
 
     def __init__(self, weights: Weights, shape: tuple[int, ...]) -> None:
         self.weights = weights
-        self._precision = np.exp(weights.precision)
+        self._prior = np.diag(np.exp(weights.precision))
+        self._softer, self._soft = SOFTER * self._prior, SOFT * self._prior[:COLUMNS, :COLUMNS]
         self._mean = weights.mean
         # Of sums over pairs of columns what is read: all with those of a row and the torque, and each period's own.
         self._sums = np.zeros((*shape, COLUMNS + 1, COLUMNS + 1 + 2 * BANK))
         self._own = np.zeros((*shape, 3, BANK))
         self._sides = np.zeros((*shape, 3))
         self.chosen = np.zeros(shape, dtype=np.intp)
+        self._row = np.zeros((*shape, COLUMNS + 1 + 2 * BANK))
         self._system = np.zeros((*shape, COLUMNS + 2, COLUMNS + 2)), np.zeros((*shape, COLUMNS + 2))
 
-    def add(self, row: Row) -> None:
-        """Take a row."""
-        columns = row.columns.copy()
-        columns[..., COLUMNS] -= columns[..., 2:COLUMNS] @ self._mean
-        angle = row.turned[..., None] / PERIODS
-        sine, cosine = RIPPLE * np.sin(angle), RIPPLE * np.cos(angle)
-        weight = self.weights.weight(row.inputs) * np.abs(row.side)
-        weighted = columns * weight[..., None]
-        self._sums += weighted[..., None] * np.concatenate([columns, sine, cosine], axis=-1)[..., None, :]
-        own = sine * weight[..., None]
-        self._own[..., 0, :] += own * sine
-        self._own[..., 1, :] += np.square(cosine) * weight[..., None]
-        self._own[..., 2, :] += own * cosine
-        self._sides[..., 0] += weight
-        self._sides[..., 1] += np.where(row.side > 0.0, weight, 0.0)
-        self._sides[..., 2] += np.where(row.side < 0.0, weight, 0.0)
+    def weigh(self, row: Row) -> None:
+        """Say what a row is worth."""
+        self._weight = self.weights.weight(row.inputs) * np.abs(row.side)
 
-    def choose(self) -> None:
-        """Choose each joint's period of the ripple: the one that explains most of what the other columns leave."""
-        known = self._sums[..., :COLUMNS, :COLUMNS] + np.diag(SOFT * self._precision[:COLUMNS])
-        bank = self._sums[..., :COLUMNS, COLUMNS + 1 :]
-        torque = self._sums[..., :COLUMNS, COLUMNS, None]
-        solved = np.linalg.solve(known, np.concatenate([bank, torque], axis=-1))
-        left = self._sums[..., COLUMNS, COLUMNS + 1 :] - np.sum(bank * solved[..., -1:], axis=-2)
-        sine, cosine = bank[..., :BANK], solved[..., BANK:-1]
-        both = np.sum(bank * solved[..., :-1], axis=-2)
-        a = self._own[..., 0, :] - both[..., :BANK] + SOFTER
-        b = self._own[..., 1, :] - both[..., BANK:] + SOFTER
-        c = self._own[..., 2, :] - np.sum(sine * cosine, axis=-2)
+    def add(self, row: Row) -> None:
+        """Add it to the sums, as it was weighed."""
+        mine, weight = self._row, self._weight
+        mine[..., : COLUMNS + 1] = row.columns
+        mine[..., COLUMNS] -= row.columns[..., 2:COLUMNS] @ self._mean
+        angle = row.turned[..., None] / PERIODS
+        sine, cosine = mine[..., COLUMNS + 1 : -BANK], mine[..., -BANK:]
+        np.sin(angle, out=sine)
+        np.cos(angle, out=cosine)
+        mine[..., COLUMNS + 1 :] *= RIPPLE
+        weighted = mine * weight[..., None]
+        self._sums += weighted[..., : COLUMNS + 1, None] * mine[..., None, :]
+        self._own[..., 0, :] += weighted[..., COLUMNS + 1 : -BANK] * sine
+        self._own[..., 1, :] += weighted[..., -BANK:] * cosine
+        self._own[..., 2, :] += weighted[..., COLUMNS + 1 : -BANK] * cosine
+        self._sides[..., 0] += weight
+        self._sides[..., 1] += weight * (row.side > 0.0)
+        self._sides[..., 2] += weight * (row.side < 0.0)
+
+    def choose(self, joints: slice = slice(None)) -> None:
+        """Choose these joints' period of the ripple: the one that explains most of what the other columns leave."""
+        sums, own = self._sums[:, joints], self._own[:, joints]
+        known = sums[..., :COLUMNS, :COLUMNS] + self._soft
+        solved = np.linalg.solve(known, sums[..., :COLUMNS, COLUMNS:])
+        bank, torque = sums[..., :COLUMNS, COLUMNS + 1 :], solved[..., :1]
+        left = sums[..., COLUMNS, COLUMNS + 1 :] - np.sum(bank * torque, axis=-2)
+        both = np.sum(bank * solved[..., 1:], axis=-2)
+        a = own[..., 0, :] - both[..., :BANK] + SOFTER
+        b = own[..., 1, :] - both[..., BANK:] + SOFTER
+        c = own[..., 2, :] - np.sum(bank[..., :BANK] * solved[..., 1 + BANK :], axis=-2)
         s, t = left[..., :BANK], left[..., BANK:]
-        self.chosen = np.argmax((b * s**2 - 2.0 * c * s * t + a * t**2) / np.maximum(a * b - c**2, LEAST), axis=-1)
+        explained = (b * s**2 - 2.0 * c * s * t + a * t**2) / np.maximum(a * b - c**2, LEAST)
+        self.chosen[:, joints] = np.argmax(explained, axis=-1)
 
     def gather(self) -> None:
         """Put together the equations with the chosen periods."""
@@ -94,36 +102,34 @@ class Memory:
             matrix[..., place, place] = self._own[i, j, place - COLUMNS, self.chosen]
         matrix[..., COLUMNS, COLUMNS + 1] = matrix[..., COLUMNS + 1, COLUMNS] = self._own[i, j, 2, self.chosen]
 
+    def explain(self) -> None:
+        """Find what the rows so far leave unexplained, however they are trusted."""
+        matrix, right = self._system
+        coefficients = _solved(matrix + self._softer, right)
+        explained = np.sum(coefficients * right, axis=-1)
+        self._left = np.maximum((self._sums[..., COLUMNS, COLUMNS] - explained) / (self._sides[..., 0] + 1.0), LEAST)
+
     def trust(self, zero: Array) -> Array:
         """In the rows so far, (num_envs, dof), by what they leave unexplained, how much they weigh, and on which sides.
 
         Args:
             zero: unit of the zero as a share of FRICTION of the torque limit, which a row's first column is.
         """
-        matrix, right = self._system
-        coefficients = _solved(matrix + np.diag(SOFTER * self._precision), right)
-        total = self._sums[..., COLUMNS, COLUMNS]
-        weight, plus, minus = (self._sides[..., side] for side in range(3))
-        left = np.maximum((total - np.sum(coefficients * right, axis=-1)) / (weight + 1.0), LEAST)
-        plus, minus = np.log1p(plus), np.log1p(minus)
-        summary = np.stack(
-            [
-                np.log(left),
-                np.log(np.maximum(total / (weight + 1.0), LEAST)),
-                np.log1p(weight),
-                plus + minus,
-                np.abs(plus - minus),
-                np.log(zero),
-            ],
-            axis=-1,
-        )
-        return self.weights.trust(STRETCH * summary) / left
+        weight, plus, minus = np.moveaxis(np.log1p(self._sides), -1, 0)
+        total = self._sums[..., COLUMNS, COLUMNS] / (self._sides[..., 0] + 1.0)
+        summary = np.empty((*self._left.shape, len(SUMMARY)))
+        summary[..., 0] = np.log(self._left)
+        summary[..., 1] = np.log(np.maximum(total, LEAST))
+        summary[..., 2] = weight
+        summary[..., 3] = plus + minus
+        summary[..., 4] = np.abs(plus - minus)
+        summary[..., 5] = np.log(zero)
+        return self.weights.trust(STRETCH * summary) / self._left
 
     def answer(self, trust: Array, scales: Scales) -> tuple[Array, Array]:
         """The zero [N | N m], and the share of B by which it is believed too large, (num_envs, dof) each."""
         matrix, right = self._system
-        trusted = matrix * trust[..., None, None] + np.diag(self._precision)
-        coefficients = _solved(trusted, right * trust[..., None])
+        coefficients = _solved(matrix * trust[..., None, None] + self._prior, right * trust[..., None])
         return coefficients[..., 0] * scales.zero, coefficients[..., 1] * INERTIA
 
 

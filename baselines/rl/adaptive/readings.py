@@ -47,6 +47,8 @@ class DelayedTorque:
 
     def commanded(self, tau_m: Array) -> None:
         """What is commanded at this tick."""
+        if self._tick >= self._ticks:
+            return
         self._commands[1:] = self._commands[:-1]
         self._commands[0] = tau_m
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baselines.rl.adaptive.compensator import AdaptiveCompensator
-from baselines.rl.adaptive.course import training_batch
+from baselines.rl.adaptive.course import Shares, training_batch
 from baselines.rl.adaptive.rows import INERTIA, Block
 from fo_gym import Signals
 
@@ -43,20 +43,23 @@ class Noting(AdaptiveCompensator):
         return self._scales.inertia, self._scales.friction, self._scales.zero
 
 
-def rollout(compensator: Noting, seeds: tuple[int, ...], first: int) -> Mapping[str, NDArray[np.float32]]:
+def rollout(
+    compensator: Noting, seeds: tuple[int, ...], first: int, shares: Shares
+) -> Mapping[str, NDArray[np.float32]]:
     """One batch of episodes, joints apart; those that left their range are left out.
 
     Args:
         compensator: who compensates.
         seeds: of what is drawn for the batch.
         first: seed of the first episode.
+        shares: of what may be drawn.
 
     Returns:
         blocks: (joints, BLOCKS, 4), fields of `Block`; scales: (joints, 3); truth: (joints, 2), the true coefficients
         of zero and inertia in the units of a row.
     """
     with TemporaryDirectory() as folder:
-        env = training_batch(np.random.default_rng(seeds), Path(folder), ROBOTS)
+        env = training_batch(np.random.default_rng(seeds), Path(folder), ROBOTS, shares)
     obs, _ = env.reset(seed=first)
     inner: Any = env.unwrapped
     simulation = inner.simulation

@@ -118,6 +118,11 @@ class Rows:
 
     def row(self, block: Block) -> Row:
         """The next block's."""
+        columns, turned, side = self.shapes(block)
+        return Row(columns, turned, self.inputs(block), side)
+
+    def shapes(self, block: Block) -> tuple[Array, Array, Array]:
+        """Of the next block's row: columns, turned, side."""
         scales = self.scales
         inertia, unit = scales.inertia, scales.friction
         step = block.velocity * scales.period
@@ -137,26 +142,23 @@ class Rows:
         columns[..., 4 + len(CURVE) : COLUMNS] = np.exp(-way[..., None] / PRESLIDING)
         columns[..., 4:COLUMNS] *= side[..., None]
         columns[..., COLUMNS] = block.torque / unit
-        return Row(columns, turned, self._inputs(block, way), side * self._moving(block))
+        return columns, turned, side * self._moving(block)
 
     def _moving(self, block: Block) -> Array:
         """Between 0 at rest and 1: at standstill a bristle holds any torque, and nothing can be learned."""
         squared = np.square(block.velocity * (SLOW * RATE) * self.scales.inertia / self._largest)
         return np.asarray(squared / (1.0 + squared))
 
-    def _inputs(self, block: Block, way: Array) -> Array:
-        """See INPUTS, (..., len(INPUTS)): even functions, in units of the largest r so far."""
-        largest, inertia = self._largest, self.scales.inertia
-        speed = np.abs(block.velocity) * (RATE * inertia / largest)
-        inputs = np.stack(
-            [
-                SLOW * speed,
-                speed,
-                way,
-                RATE * way,
-                np.abs(block.tau_j) / largest,
-                np.abs(block.acceleration) * inertia / largest,
-            ],
-            axis=-1,
-        )
+    def inputs(self, block: Block) -> Array:
+        """Of the weight of the row whose shapes came last: even functions, in units of the largest r so far."""
+        largest, scales = self._largest, self.scales
+        way = np.abs(self._way) * (STIFFNESS * scales.inertia / scales.friction)
+        speed = np.abs(block.velocity) * (RATE * scales.inertia / largest)
+        inputs = np.empty((*way.shape, len(INPUTS)))
+        inputs[..., 0] = SLOW * speed
+        inputs[..., 1] = speed
+        inputs[..., 2] = way
+        inputs[..., 3] = RATE * way
+        inputs[..., 4] = np.abs(block.tau_j) / largest
+        inputs[..., 5] = np.abs(block.acceleration) * scales.inertia / largest
         return np.asarray(np.arcsinh(inputs))

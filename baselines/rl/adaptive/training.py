@@ -14,6 +14,7 @@ import torch
 from safetensors.numpy import load_file, save
 
 from baselines.rl.adaptive.compensator import AdaptiveCompensator
+from baselines.rl.adaptive.course import Shares
 from baselines.rl.adaptive.design import AdaptiveDesign
 from baselines.rl.adaptive.model import Episodes, Model, episodes_of
 from baselines.rl.adaptive.report import card, write_report
@@ -27,7 +28,7 @@ from fo_gym.files import atomic, csv, draft_of
 OnSteps = Callable[[str, int], None]
 VALIDATION = "FJRStiction-v0"
 """What the best segment is chosen on, in the variant `hardware`: the single link; the scored arm is not looked at."""
-SEGMENTS = 6
+SEGMENTS = 8
 _RATE, _PRIOR_RATE = 1e-2, 4e-2
 _JOINTS, _ENDS = 64, 8
 _THREADS = 1  # the same everywhere: sums in another order are other weights
@@ -42,6 +43,7 @@ class AdaptivePlan:
     Attributes:
         seed: of everything, from 0 to 999.
         design: what the weights are part of.
+        shares: of what batches are drawn from.
         segments: how many; each rolls out the compensator as it is, then learns from all rollouts so far.
         batches: of episodes in a segment, each of another robot.
         steps: of gradient descent in a segment.
@@ -50,9 +52,10 @@ class AdaptivePlan:
 
     seed: int = 0
     design: AdaptiveDesign = field(default_factory=AdaptiveDesign)
+    shares: Shares = field(default_factory=Shares)
     segments: int = SEGMENTS
-    batches: int = 12
-    steps: int = 200
+    batches: int = 16
+    steps: int = 300
     validation_seeds: int = 20
 
     def __post_init__(self) -> None:
@@ -116,7 +119,8 @@ class _Run:
             file = self.out / "rollouts" / f"{segment}-{batch}.safetensors"
             if not file.is_file():
                 seeds = (self.plan.seed, segment, batch)
-                made = rollout(Noting(self.plan.design, weights), seeds, self.plan.episode_seed(segment, batch))
+                noting, first = Noting(self.plan.design, weights), self.plan.episode_seed(segment, batch)
+                made = rollout(noting, seeds, first, self.plan.shares)
                 atomic(file, save({name: np.ascontiguousarray(part) for name, part in made.items()}))
             made = load_file(file)
             episodes = episodes_of(made["blocks"], made["scales"], self.plan.design.period)

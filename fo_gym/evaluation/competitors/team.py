@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.compensators import Compensator, has_learned, is_privileged
+from fo_gym.compensators import Compensator, diagnostics_of, has_learned, is_privileged
 from fo_gym.parameters import JointInfo, with_fields
 from fo_gym.signals import Signals
 
@@ -63,6 +63,16 @@ class Team:
                 raise ValueError(f"member {place} returned shape {answer.shape}; its share is {own.shape}")
             own[...] = answer
         return estimate
+
+    @property
+    def diagnostics(self) -> dict[str, Array]:
+        """Those of its members; NaN in the environments of who does not tell that."""
+        found: dict[str, Array] = {}
+        for place, member in enumerate(self.members):
+            for name, told in diagnostics_of(member).items():
+                whole = found.setdefault(name, np.full((len(self.members) * self.share, *np.shape(told)[1:]), np.nan))
+                whole[self.rows(place)] = told
+        return found
 
 
 def _of(batch: Batch, rows: slice) -> Batch:

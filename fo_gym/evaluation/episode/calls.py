@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.checks import real
-from fo_gym.compensators import Compensator, CompensatorError, is_privileged
+from fo_gym.compensators import Compensator, CompensatorError, diagnostics_of, is_privileged
 from fo_gym.envs.vector import JointVectorEnv
 from fo_gym.evaluation.episode.faults import EndedError, kind_of
 from fo_gym.signals import Signals
@@ -14,7 +16,7 @@ from fo_gym.simulation.privileged import privileged_info
 
 Array = NDArray[np.float64]
 
-__all__ = ["checked_estimate", "checked_reset"]
+__all__ = ["checked_diagnostics", "checked_estimate", "checked_reset"]
 
 
 def checked_reset(compensator: Compensator, name: str, env: JointVectorEnv) -> None:
@@ -53,3 +55,21 @@ def checked_estimate(
             f"{name}: estimate returned {answer[i]} at tick {tick} in episode {i}; it must be finite"
         )
     return answer if alive.all() else np.where(alive[:, None], answer, 0.0)
+
+
+def checked_diagnostics(compensator: Compensator, name: str, shape: tuple[int, ...], tick: int) -> Mapping[str, Array]:
+    """What the compensator says of its last estimate.
+
+    Raises:
+        CompensatorError: it raised, or what it says is not a mapping of arrays of this shape, that of an estimate.
+    """
+    try:
+        told = {str(part): real(str(part), value) for part, value in diagnostics_of(compensator).items()}
+    except (Exception, SystemExit) as error:
+        raise CompensatorError(f"{name}: diagnostics raised {kind_of(error)} at tick {tick}: {error}") from error
+    for part, value in told.items():
+        if value.shape != shape:
+            raise CompensatorError(
+                f"{name}: diagnostics[{part!r}] has shape {value.shape} at tick {tick}; (num_envs, dof) is {shape}"
+            )
+    return told

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from fo_gym.compensators import Compensator, Ideal, is_privileged
 from fo_gym.envs.registry import environment_of
 from fo_gym.envs.vector import JointVectorEnv
-from fo_gym.evaluation.episode.calls import checked_estimate, checked_reset
+from fo_gym.evaluation.episode.calls import checked_diagnostics, checked_estimate, checked_reset
 from fo_gym.evaluation.episode.recording import Recording
 from fo_gym.evaluation.episode.stored import stored_energy
 from fo_gym.signals import Signals
@@ -84,6 +84,7 @@ class _Recorder:
         self.ticks = {name: np.empty((self.steps + 1, env.num_envs, size)) for name, size in sizes.items()}
         shape = (self.steps, env.num_envs, self.dof)
         self.periods = {name: np.empty(shape) for name in _PERIOD_TRUTH}
+        self.diagnostics: dict[str, Array] = {}
         self.guided: dict[str, Array] = {}
         if self.simulation.hands is not None:
             self.guided = {name: np.empty((self.steps + 1, env.num_envs, self.dof)) for name in ("held", "free")}
@@ -112,6 +113,8 @@ class _Recorder:
             start = time.perf_counter()
             estimate = checked_estimate(compensator, name, signals, self.alive, step)
             self.seconds[step] = time.perf_counter() - start
+            for part, told in checked_diagnostics(compensator, name, estimate.shape, step).items():
+                self.diagnostics.setdefault(part, np.full_like(self.periods["tau_f_hat"], np.nan))[step] = told
             obs, _, terminated, _, info = self.env.step(estimate)
             self.signals = Signals.from_observation(obs, self.dof, self.env.available)
             for part, kept in self.periods.items():
@@ -139,7 +142,7 @@ class _Recorder:
             end = self.ended[i]
             for array in (*self.ticks.values(), *self.guided.values()):
                 array[end:, i] = array[end, i]
-            for array in self.periods.values():
+            for array in (*self.periods.values(), *self.diagnostics.values()):
                 array[end:, i] = array[end - 1, i]
 
     def _recording(self) -> Recording:
@@ -160,6 +163,7 @@ class _Recorder:
             dt=simulation.settings.step_dt,
             ticks=self.ticks,
             periods=self.periods,
+            diagnostics=self.diagnostics,
             scenarios=self.scenarios,
             stored=stored,
             torque_limit=np.asarray(simulation.torque_limit) * levers,
@@ -179,3 +183,4 @@ class _Recorder:
         """Joints of a robot with hinges and slides in the same unit, see `Robot.levers`."""
         self.ticks |= {name: self.ticks[name] / levers for name in _JOINT_TICKS}
         self.periods |= {name: self.periods[name] * levers for name in _PERIOD_TRUTH}
+        self.diagnostics = {name: told * levers for name, told in self.diagnostics.items()}

@@ -68,6 +68,7 @@ class Recording:
             were; theta_n, theta_n_dot, theta_d, reference as the compensator saw them.
         periods: arrays (periods, num_envs, dof) by name: tau_f_hat, tau_m, tau_f, tau_dist, tau_ext; with a hand f_hand
             (periods, num_envs, 3), lost and damped (periods, num_envs), see Motion and Episode.
+        diagnostics: arrays (periods, num_envs, dof) by name, see `Compensator.diagnostics`; empty where there are none.
         scenarios: the drawn episodes.
         stored: energy in the joints when the push of each episode begins, see `stored_energy`, (num_envs,) [J].
         torque_limit: (dof,).
@@ -81,6 +82,7 @@ class Recording:
     dt: float
     ticks: Mapping[str, Array]
     periods: Mapping[str, Array]
+    diagnostics: Mapping[str, Array]
     scenarios: Sequence[Scenario]
     stored: Array
     torque_limit: Array
@@ -101,6 +103,7 @@ class Recording:
             self,
             ticks={name: array[:, rows] for name, array in self.ticks.items()},
             periods={name: array[:, rows] for name, array in self.periods.items()},
+            diagnostics={name: array[:, rows] for name, array in self.diagnostics.items()},
             scenarios=self.scenarios[rows],
             stored=self.stored[rows],
             terminations=self.terminations[rows],

@@ -26,10 +26,13 @@ Signals = Mapping[str, NDArray[np.float32]]
 BUCKETS = 700
 """Parts of equal length that an episode is cut into; each leaves at most three ticks."""
 
+DIAGNOSTIC = "diagnostic "
+"""What the names of signals begin with that are a compensator's own."""
+
 _ROW = ["env", "robot", "variant", "compensator", "seed"]
 _INDEX = ["status", "frr", "joint_unit", "origin", "competitor_hash", "protocol"]
 
-__all__ = ["BUCKETS", "Trace", "kept_ticks", "trace_of", "traces_of", "write_traces"]
+__all__ = ["BUCKETS", "DIAGNOSTIC", "Trace", "kept_ticks", "trace_of", "traces_of", "write_traces"]
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,8 @@ class Trace:
         signals: arrays of the same length by name. At each tick: time [s]; theta, theta_ideal (without friction) and
             theta_d (target), (n, dof), m or rad; on a path tool, tool_ideal and tool_d, (n, 3), m. Of the control
             period that begins there: tau_f (true friction, opposing motion), tau_f_hat (estimate) and tau_m (motor),
-            (n, dof), N or N m; the last tick repeats the last period.
+            (n, dof), N or N m; the last tick repeats the last period. Likewise what the compensator said, see
+            `Compensator.diagnostics`, each name after DIAGNOSTIC.
     """
 
     env: str
@@ -139,9 +143,12 @@ def _thinned(recording: Recording, references: References, i: int) -> Signals:
         ticks["tool"] = recording.ticks["tool"][:, i]
         ticks["tool_d"] = recording.ticks["reference"][:, i]
         ticks["tool_ideal"] = references.ideal.tool[:, i]
+    told = {f"{DIAGNOSTIC}{name}": values[:, i] for name, values in recording.diagnostics.items()}
     for name in ("tau_f", "tau_f_hat", "tau_m"):
-        periods = recording.periods[name][:, i]
-        ticks[name] = np.append(periods, periods[-1:], axis=0)
+        told[name] = recording.periods[name][:, i]
+    for name, periods in told.items():
+        if not np.isnan(periods).all():  # of a team, another member's
+            ticks[name] = np.append(periods, periods[-1:], axis=0)
     keep = kept_ticks((*ticks.values(), ticks["theta"] - ticks["theta_ideal"]))
     with np.errstate(over="ignore"):
         return {

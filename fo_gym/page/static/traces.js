@@ -7,6 +7,7 @@
   const joint = document.getElementById("joint");
   const MILLI = 1e3;
   const HEIGHT = 170;
+  const DASHES = [[], [5, 4], [2, 3], [9, 3, 2, 3]];
   let drawn = { plots: [], traces: [], path: null };
   let turn = 0;
 
@@ -38,13 +39,14 @@
       name: trace.name, frr: trace.frr, time: times(trace),
       theta: scaled(theta, target[0]), ideal: scaled(minus(theta, error), target[0]), target: scaled(target, target[0]),
       error: scaled(error), tau_f: column("tau_f"), tau_f_hat: column("tau_f_hat"),
+      diagnostics: Object.entries(trace.diagnostics ?? {}).map(([name, columns]) => [name, unpacked(columns[at], trace.ticks.length)]),
       away: trace.away ? scaled(unpacked(trace.away, trace.ticks.length)) : null,
       ...Object.fromEntries(["tool", "tool_ideal", "tool_target"].map((name) => [name, trace[name]?.map((each) => scaled(unpacked(each, trace.ticks.length)))])),
     };
   }
 
   /* What each chart shows: its title, and series (label, colour, dash, values) of a trace or of the first one. */
-  function layouts(unit, of_tool, at) {
+  function layouts(unit, all, at) {
     const own = (n, more) => ({ stroke: fg.color(`c${n}`), width: 1.6, ...more });
     const torque = unit === "m" ? "N" : "N m";
     const which = joint.options.length > 1 ? `, joint ${at + 1}` : "";
@@ -66,7 +68,14 @@
       shared: () => [],
       each: (s, n) => [["tau_f", s.tau_f, own(n, { width: 1 })], ["tau_f_hat", s.tau_f_hat, own(n, { dash: [5, 4], width: 1.8 })]],
     };
-    return of_tool ? [away, torques, motion] : [motion, error, torques];
+    const names = [...new Set(all.flatMap((s) => s.diagnostics.map(([name]) => name)))];
+    const dash = (name) => DASHES[names.indexOf(name) % DASHES.length];
+    const diagnostics = {
+      id: "diagnostics", title: `What compensators say besides${which}`, unit: torque, key: names.map((name) => [name, dash(name).join(" ")]),
+      shared: () => [], each: (s, n) => s.diagnostics.map(([name, values]) => [name, values, own(n, { dash: dash(name) })]),
+    };
+    const usual = all[0].tool ? [away, torques, motion] : [motion, error, torques];
+    return names.length ? [...usual, diagnostics] : usual;
   }
 
   function draw_chart(layout, all) {
@@ -163,7 +172,7 @@
       drawn.path = fg.path(traces[0].axes, all, colors);
       charts.append(drawn.path.element);
     }
-    drawn.plots = layouts(fg.index.units[set], Boolean(all[0].tool), at).map((layout) => {
+    drawn.plots = layouts(fg.index.units[set], all, at).map((layout) => {
       const each = layout.each;
       return draw_chart({ ...layout, each: (s) => each(s, order.indexOf(s.name)) }, all);
     });

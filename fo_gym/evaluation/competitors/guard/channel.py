@@ -15,7 +15,7 @@ estimate from what lies in the memory."""
 DONE, RAISED, SHAPE = b"D", b"E", b"S"
 """What is answered: it is done; it raised; the estimate has this shape, which is a wrong one."""
 
-LONGEST_ANSWER = 1 << 16
+LONGEST_ANSWER = 1 << 20
 """Bytes of an answer that are read."""
 
 _HEAD = struct.Struct("<cI")

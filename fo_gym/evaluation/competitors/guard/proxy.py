@@ -73,6 +73,7 @@ class Guarded:
 
     Attributes:
         feedback, learned: what the competitor said of itself when it was made.
+        diagnostics: what it said after its last estimate.
 
     Raises:
         ValueError, TypeError, CompensatorError: as `make_compensator` does, and CompensatorError beyond a limit.
@@ -83,6 +84,7 @@ class Guarded:
         self._limits = limits
         self._spent = 0.0
         self._ticks = 0
+        self.diagnostics: dict[str, Array] = {}
         _check_plain(spec, gains)
         self._process = Process(limits)
         self._channel = Channel(self._process.connection, LONGEST_ANSWER, self._process.wait)
@@ -138,6 +140,8 @@ class Guarded:
         estimates = memory.take(self._process.memory, (num_envs, dof), observations.nbytes)
         if estimates is None:
             raise self._fault("it made the shared memory shorter")
+        if content is not None:
+            self.diagnostics = self._arrays(content)
         return estimates
 
     def declared(self) -> dict[str, tuple[float, float, float]]:
@@ -156,6 +160,13 @@ class Guarded:
         """End its process, and pass on what it printed."""
         for line in self._process.end().splitlines():
             print(f"{self._spec} | {line}", file=sys.stderr)
+
+    def _arrays(self, content: Any) -> dict[str, Array]:
+        """Numbers by name, as it sent them."""
+        try:
+            return {plain(name): np.asarray(values, dtype=np.float64) for name, values in content.items()}
+        except (AttributeError, TypeError, ValueError) as error:
+            raise self._fault(f"its diagnostics are no numbers by name: {error}") from None
 
     def _of_shape(self, shape: Any) -> Array:
         """An array of the shape that it says its answer has: a wrong one, which the caller refuses."""
