@@ -31,7 +31,7 @@ def train(
 
     Validation and a checkpoint follow every segment; the best weights are kept as policy.safetensors, with a model
     card, the learning curve, and a compensator.py to score them with. Run the same command again to go on after a
-    kill. The shipped weights come from the first two commands below.
+    kill. The shipped weights come from the first three commands below.
 
     Examples:
         fo-gym train --out build/rl-residual

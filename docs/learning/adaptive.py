@@ -2,7 +2,8 @@
 
     python docs/learning/adaptive.py WEIGHTS
 
-Validation seeds only; half an hour on two cores. WEIGHTS is the policy.safetensors of a training.
+Validation seeds only; a quarter of an hour on two cores. What it scores beside others is on the leaderboard. WEIGHTS is
+the policy.safetensors of a training.
 """
 
 from __future__ import annotations
@@ -20,56 +21,18 @@ from beliefs import beliefs  # beside this file
 import fo_gym
 from baselines.rl.adaptive import AdaptiveCompensator
 from fo_gym import Dahl, ElastoPlastic, MaxwellSlip
-from fo_gym.evaluation.competitors.entry import competitor_of
-from fo_gym.evaluation.results.statistics import interquartile_mean, paired_difference
-from fo_gym.evaluation.runs.episodes import EpisodeSet
 from fo_gym.evaluation.runs.evaluate import evaluation_seeds
-from fo_gym.evaluation.runs.trial import competitor_trial, reference_trials
 from fo_gym.files import atomic, csv
 from fo_gym.robots import robot_of
 
 HERE = Path(__file__).parent
 ENVIRONMENTS = ("FJRStiction-v0", "FJRRegulation-v0", "FJRSquare-v0")
-CLASSICAL = ("pid-tuned", "pid-measured-tuned", "pd-measured-tuned", "lugre-adaptive-tuned", "pid-high")
 LAWS = (ElastoPlastic, MaxwellSlip, Dahl)
 ARMS = {"FJRRegulation-v0": "examples/arms/two_links.xml", "FJRTracking-v0": "examples/arms/two_links.xml"}
 TOLD = (0.5, 1.0, 2.0, 4.0, 8.0)
 """When it is asked what is not friction [s]."""
 SEEDS, FEW = 20, 8
 Make = Callable[[], AdaptiveCompensator]
-
-
-def scored(make: Make) -> pd.DataFrame:
-    """The environments as they are scored: everybody's FRR, and the paired difference to the best classical row."""
-    rows = []
-    for env_id in ENVIRONMENTS:
-        for variant in ("hardware", "randomized"):
-            episodes = EpisodeSet(env_id, variant, evaluation_seeds(variant, SEEDS), {})
-            references, trials = reference_trials(episodes)
-            tables = {"bound": trials[2].rows}
-            tables |= {name: competitor_trial(episodes, competitor_of(name), references).rows for name in CLASSICAL}
-            tables["rl-adaptive"] = fo_gym.evaluate(make(), env_id, variant=variant, seeds=SEEDS)
-            mean = {name: interquartile_mean(table["frr"].to_numpy()) for name, table in tables.items()}
-            best = max(CLASSICAL, key=lambda name: mean[name])
-            own, other = (tables[name]["frr"].to_numpy() for name in ("rl-adaptive", best))
-            _, low, high = paired_difference(own, other, np.random.default_rng(0))
-            rows.append(
-                {
-                    "env": env_id,
-                    "variant": variant,
-                    **mean,
-                    "best": best,
-                    "low": low,
-                    "high": high,
-                    **{
-                        f"{metric} of {name}": tables[name][metric].mean()
-                        for metric in ("hunting_ratio", "steady_state_error_ju", "torque_roughness_ratio")
-                        for name in ("rl-adaptive", "pid-tuned", "pid-high")
-                    },
-                }
-            )
-            print(f"measured {env_id}, {variant}: {rows[-1]}", file=sys.stderr)
-    return pd.DataFrame(rows)
 
 
 def elsewhere() -> Iterator[tuple[str, str, str, dict[str, Any]]]:
@@ -124,7 +87,7 @@ def main(weights: str | Path) -> None:
     def make() -> AdaptiveCompensator:
         return AdaptiveCompensator.load(weights)
 
-    for name, measure in (("told", told), ("scored", scored), ("outside", outside)):
+    for name, measure in (("told", told), ("outside", outside)):
         atomic(HERE / f"adaptive_{name}.csv", csv(measure(make)))
         print(f"wrote {HERE / f'adaptive_{name}.csv'}")
 
