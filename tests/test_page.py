@@ -167,8 +167,12 @@ def test_maps_are_drawn_where_they_are_looked_at(visit: Open, site: Path) -> Non
     opened.page.locator("#maps").scroll_into_view_if_needed()
     opened.page.wait_for_selector("figure.map[data-drawn] .plot-container")
     assert plotly in opened.asked
-    values = opened.page.evaluate("document.querySelector('figure.map .chart').data[0].z")
-    assert values == [[10, 20, 40], [50, 100, 200]]
+    shown = opened.page.evaluate(
+        "document.querySelector('figure.map .chart').data.map(({ z, x, text }) => [z, x, text])"
+    )
+    cells, marks = shown
+    assert np.allclose(10.0 ** np.array(cells[0]), [[0.96, 0.92, 0.84], [0.8, 0.6, 0.2]])
+    assert marks[1:] == [[10], ["low"]]
 
 
 # What a reader does

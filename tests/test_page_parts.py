@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from pages import write_map
 from tables import SQUARE, STICTION, synthetic
 
 from fo_gym.evaluation.competitors.competitor import Competitor
@@ -192,15 +193,30 @@ def test_stories_are_told_where_their_rows_are() -> None:
 
 def test_maps_are_read_as_they_are(tmp_path: Path) -> None:
     assert maps_in(tmp_path / "nowhere") == []
-    (tmp_path / "one.csv").write_text("L,Li,frr\n1,5,0.5\n2,5,\n1,7,0.25\n2,7,1\n", encoding="utf-8")
+    write_map(tmp_path / "one", [("10", "1", "ok", "0.5"), ("20", "1", "failed", ""), ("10", "5", "ok", "0.25")])
     (found,) = maps_in(tmp_path)
-    assert (found.name, found.x_name, found.y_name, found.value_name) == ("one", "L", "Li", "frr")
-    assert (found.x, found.y, found.values) == ([1.0, 2.0], [5.0, 7.0], [[0.5, None], [0.25, 1.0]])
-    (tmp_path / "two.csv").write_text("L,Li\n1,5\n", encoding="utf-8")
-    with pytest.raises(ValueError, match="has the columns L, Li; a map has three"):
-        maps_in(tmp_path)
-    (tmp_path / "two.csv").write_text("L,Li,frr\n1,5,1\n1,5,2\n", encoding="utf-8")
-    with pytest.raises(ValueError, match="has a point of L and Li twice"):
+    assert (found.name, found.compensator, found.place) == ("one", "pid", f"{STICTION}, nominal")
+    assert (found.x.title, found.x.values, found.y.values) == ("L [1/s]", [10.0, 20.0], [1.0, 5.0])
+    (layer,) = found.layers
+    assert (layer.title, layer.values) == ("1 - FRR, what is left of friction's effect", [[0.5, None], [0.75, None]])
+    assert (found.refused, found.marks.points, found.marks.line) == (1, [("low", 10.0, 5.0)], [])
+
+
+@pytest.mark.parametrize(
+    ("rows", "drawing", "told"),
+    [
+        ([("10", "1", "ok", "0.5")] * 2, {}, "has a cell of L and Li twice"),
+        ([("10", "1", "ok", "0.5")], {"metric": "frrr"}, "has no column frrr"),
+        ([("10", "1", "failed", "")], {}, "has no number in frr"),
+        ([("10", "1", "ok", "0.5")], {"points": 1}, "does not say what is drawn"),
+        ([], {}, "has a map.json, but no map.csv"),
+    ],
+)
+def test_a_map_of_something_else_is_refused(
+    rows: list[tuple[str, str, str, str]], drawing: dict[str, object], told: str, tmp_path: Path
+) -> None:
+    write_map(tmp_path / "one", rows, **drawing)
+    with pytest.raises(ValueError, match=f"{told}.*write (it|both) again with `fo-gym map`"):
         maps_in(tmp_path)
 
 

@@ -28,7 +28,10 @@
   function tell_story() {
     const story = stories.get(fg.state.story);
     answer.hidden = !story;
-    if (story) answer.replaceChildren(fg.make("strong", {}, story.querySelector("strong").textContent), " ", story.querySelector("span").textContent);
+    if (!story) return;
+    const more = story.dataset.more ? fg.make("a", { href: story.dataset.more }, "The whole story") : null;
+    answer.replaceChildren(fg.make("strong", {}, story.querySelector("strong").textContent), " ",
+      story.querySelector("span").textContent, " ", ...(more ? [more] : []));
   }
 
   async function compare() {
