@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -100,3 +100,22 @@ class Visit:
     def hash(self) -> str:
         """What the address says after the page."""
         return str(self.page.evaluate("decodeURIComponent(location.hash)"))
+
+
+Open = Callable[..., Visit]
+
+
+@contextmanager
+def visits(browser: Browser, site: Path) -> Iterator[Open]:
+    """Opens the page; at the end it must not have complained, nor asked for anything outside its folder."""
+    opened: list[Visit] = []
+
+    def open_page(address: str = "", **screen: object) -> Visit:
+        opened.append(Visit(browser, site, address, **screen))  # type: ignore[arg-type]
+        return opened[-1]
+
+    yield open_page
+    for each in opened:
+        assert each.complaints == []
+        assert [url for url in each.asked if not url.startswith((site.as_uri(), "data:", "blob:", "about:"))] == []
+        each.page.close()

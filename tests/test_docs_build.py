@@ -14,6 +14,8 @@ from test_docstrings import offers, public
 
 import fo_gym
 
+pytestmark = pytest.mark.looks
+
 ROOT = Path(__file__).parents[1]
 
 

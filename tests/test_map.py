@@ -186,6 +186,7 @@ def synthetic(metric: str, values: list[float]) -> pd.DataFrame:
     return rows.assign(status="ok", **{metric: values})
 
 
+@pytest.mark.looks
 @pytest.mark.parametrize("metric", ["limit_cycle_peak_to_peak_ju", "steady_state_error_ju", "frr", "overshoot_percent"])
 def test_a_figure_of_each_kind(metric: str) -> None:
     table = synthetic(metric, [0.0, 2e-4, 1e-3, 5e-3, np.nan, 1e-2, 0.1, 0.2, np.nan])
