@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 Name = TypeVar("Name", bound=Hashable)
 
 _ARRAYS = (*SIGNALS, "time", "reference")
-"""What Signals consists of, in its order, before `available` and `truth`."""
+"""The arrays that Signals consists of, in its order; `available` and `truth` follow."""
 
 __all__ = ["Team", "alike"]
 
@@ -72,6 +72,7 @@ class Team:
         def parts(array: Array) -> Array:
             return array.reshape(len(self.members), self.share, *array.shape[1:])
 
+        made: Any = Signals
         truth, count = signals.truth, len(self.members)
         truths: Iterable[Mapping[str, Array] | None] = (
             repeat(None, count)
@@ -80,7 +81,7 @@ class Team:
         )
         views = zip(*(parts(getattr(signals, name)) for name in _ARRAYS), strict=True)
         for arrays, true in zip(views, truths, strict=True):
-            yield Signals(*arrays, signals.available, true)
+            yield made(*arrays, signals.available, true)
 
 
 def _of(joints: JointInfo, rows: slice) -> JointInfo:

@@ -4,20 +4,27 @@
   const figures = [...document.querySelectorAll("figure.map")];
   const MARK = "#D55E00";
 
-  const axis = ({ title, logarithmic }) => ({
-    title: { text: title }, type: logarithmic ? "log" : "linear", dtick: logarithmic ? "D2" : undefined,
-    gridcolor: fg.color("line"), zeroline: false, constrain: "domain",
-  });
-
-  /* 1, 2 and 5 times powers of ten between the ends of a logarithmic colour. */
-  function ticks({ low, high }) {
+  /* 1, 2 and 5 times powers of ten between two ends; powers alone where that would be too many. */
+  function steps(low, high, most) {
     const found = [];
     for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high); power += 1) {
-      for (const digit of [1, 2, 5]) found.push(digit * 10 ** power);
+      for (const digit of [1, 2, 5]) found.push([digit, Number(`${digit}e${power}`)]);
     }
-    const inside = found.filter((value) => value >= low * 0.999 && value <= high * 1.001);
-    const shown = inside.length > 7 ? inside.filter((value) => Number.isInteger(Math.round(1e6 * Math.log10(value)) / 1e6)) : inside;
-    return { tickvals: shown.map(Math.log10), ticktext: shown.map((value) => String(+value.toPrecision(2))) };
+    const inside = found.filter(([, value]) => value >= low * 0.999 && value <= high * 1.001);
+    return (inside.length > most ? inside.filter(([digit]) => digit === 1) : inside).map(([, value]) => value);
+  }
+
+  function axis({ title, values, logarithmic }) {
+    const shown = logarithmic ? steps(values[0], values.at(-1), 10) : [];
+    return {
+      title: { text: title }, gridcolor: fg.color("line"), zeroline: false, exponentformat: "none",
+      ...(logarithmic ? { type: "log", tickvals: shown, ticktext: shown.map(String) } : {}),
+    };
+  }
+
+  function ticks({ low, high }) {
+    const shown = steps(low, high, 7);
+    return { tickvals: shown.map(Math.log10), ticktext: shown.map(String) };
   }
 
   const each = (values, change) => values.map((row) => row.map((value) => (value === null ? null : change(value))));
@@ -31,7 +38,7 @@
     const colored = { ...shared, z: each(values, (value) => (rest && value < low ? null : logarithmic ? Math.log10(Math.max(value, low)) : value)),
       colorscale: "Viridis", colorbar: { title: { text: layer.title, side: "right" }, thickness: 14, ...(logarithmic ? ticks(layer) : {}) },
       ...(logarithmic ? { zmin: Math.log10(low), zmax: Math.log10(high) } : {}) };
-    const calm = { ...shared, z: each(values, (value) => (rest && value < low ? 0 : null)), colorscale: [[0, "#e5e5e5"], [1, "#e5e5e5"]], showscale: false };
+    const calm = { ...shared, z: each(values, (value) => (rest && value < low ? 0 : null)), colorscale: [[0, fg.color("line")], [1, fg.color("line")]], showscale: false };
     return rest ? [calm, colored] : [colored];
   }
 
@@ -51,7 +58,7 @@
   /* Names of points, beside them, on paper of their own so that they can be read on any colour. */
   const names = (map) => map.marks.points.map(([text, x, y]) => ({
     text, x: map.x.logarithmic ? Math.log10(x) : x, y: map.y.logarithmic ? Math.log10(y) : y,
-    ax: 0, ay: 24, showarrow: true, arrowwidth: 0.01, arrowhead: 0, bgcolor: fg.color("paper"), font: { size: 11 },
+    yshift: -17, showarrow: false, bgcolor: fg.color("paper"), font: { size: 11 },
   }));
 
   async function draw(figure) {
@@ -64,7 +71,7 @@
     const within = { ...map.marks, line: map.marks.line.filter(([, y]) => y >= map.y.values[0] && y <= map.y.values.at(-1)) };
     await Plotly.react(figure.querySelector(".chart"), [...cells(map, layer), ...marks(within)], {
       xaxis: { ...axis(map.x), range: between(map.x) }, yaxis: { ...axis(map.y), range: between(map.y) },
-      annotations: names(map), margin: { t: 16, r: 8, b: 88, l: 64 },
+      annotations: names(map), margin: { t: 16, r: 8, b: within.line.length ? 88 : 56, l: 64 },
       showlegend: within.line.length > 0, legend: { orientation: "h", x: 0, y: -0.2, yanchor: "top" },
       paper_bgcolor: "transparent", plot_bgcolor: "transparent", font: { color: fg.color("ink"), family: "system-ui, sans-serif" },
     }, { responsive: true, displaylogo: false });
