@@ -24,6 +24,7 @@ from fo_gym.page.recording import everybodys
 
 pytestmark = pytest.mark.looks
 
+HOW = ("--jobs", "1", "--documentation", "docs/")
 VIEWS = ("", f"#set={LINK}&show=pid-low,pd-low", f"#set={SQUARES}&view=pareto", f"#set={SQUARES}&view=numbers")
 
 
@@ -37,7 +38,7 @@ def published(tmp_path_factory: pytest.TempPathFactory, short_episodes: None) ->
 @pytest.fixture(scope="module")
 def site(published: Path, short_episodes: None) -> Path:
     folder = published.parent / "site"
-    run("page", "--from", published, "--out", folder, "--store", published.parent / "store", "--jobs", "1")
+    run("page", "--from", published, "--out", folder, "--store", published.parent / "store", *HOW)
     return folder
 
 
@@ -210,6 +211,9 @@ def test_a_question_leads_to_its_traces_with_the_answer(visit: Open) -> None:
     names = shown.partition("show=")[2].partition("&")[0].split(",")
     opened.wait_for_traces(*names)
     assert opened.page.locator("#answer").inner_text().startswith(question)
+    opened.page.wait_for_function("document.getElementById('answer').getBoundingClientRect().top < innerHeight / 2")
+    more = opened.page.locator("#answer a").get_attribute("href") or ""
+    assert more.startswith("docs/theory/hunting.html#why-the-")
 
 
 # For every reader
@@ -238,7 +242,7 @@ def test_contrast_labels_and_roles_are_in_order(visit: Open, width: int, scheme:
 
 def test_the_same_results_give_the_same_bytes(published: Path, site: Path, short_episodes: None) -> None:
     again = published.parent / "again"
-    run("page", "--from", published, "--out", again, "--store", published.parent / "store", "--jobs", "1")
+    run("page", "--from", published, "--out", again, "--store", published.parent / "store", *HOW)
     files = {path.relative_to(site): path.read_bytes() for path in site.rglob("*") if path.is_file()}
     assert {path.relative_to(again): path.read_bytes() for path in again.rglob("*") if path.is_file()} == files
     assert not any(str(published) in data.decode(errors="replace") for data in files.values())

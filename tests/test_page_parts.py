@@ -1,4 +1,4 @@
-"""What the page is made of: packed traces, motion in words, the report's sentences, maps, and the libraries at hand."""
+"""What the page is made of: packed traces, motion in words, the report's sentences, and the libraries at hand."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from pages import write_map
 from tables import SQUARE, STICTION, synthetic
 
 from fo_gym.evaluation.competitors.competitor import Competitor
@@ -18,7 +17,6 @@ from fo_gym.evaluation.results.leaderboard import leaderboard
 from fo_gym.files import csv, read_csv
 from fo_gym.page import vendor
 from fo_gym.page.board import digits, key_of, overview, rankings
-from fo_gym.page.maps import maps_in
 from fo_gym.page.motion import look_at, turning_points
 from fo_gym.page.packing import packed, trace_script
 from fo_gym.page.recording import telling_seed
@@ -27,6 +25,7 @@ from fo_gym.page.stories import stories
 from fo_gym.page.summary import Summary, summarized, worst_seeds
 from fo_gym.page.who import everybody
 
+ROOT = Path(__file__).parents[1]
 TIME = np.linspace(0.0, 20.0, 2001)
 NAMES = {"mine": [0.5, 0.6, 0.4, 0.55], "pid-high": [0.9, 0.91, 0.92, 0.9], "pd-low": [0.1, 0.2, 0.15, 0.12]}
 WHO = everybody([Competitor(name, name) for name in NAMES])
@@ -179,45 +178,16 @@ def test_a_report_tells_wins_losses_and_the_worst_episodes_first() -> None:
     assert told.shown == ("pid-high", "mine")
 
 
-# Stories, maps, libraries
+# Stories, libraries
 
 
 def test_stories_are_told_where_their_rows_are() -> None:
-    table = read_csv((Path(__file__).parents[1] / "leaderboard" / "leaderboard.csv").read_text(encoding="utf-8"))
+    table = read_csv((ROOT / "leaderboard" / "leaderboard.csv").read_text(encoding="utf-8"))
     found = {story.key: story for story in stories(table)}
     assert list(found) == ["pid-low", "pd-low", "pid-high", "square"]
     row = table[(table["env"] == STICTION) & (table["variant"] == "nominal") & (table["compensator"] == "pid-low")]
     assert f"{1e3 * row['limit_cycle_peak_to_peak_ju'].iloc[0]:.2f} mm" in found["pid-low"].answer
     assert stories(results()[1]) == []
-
-
-def test_maps_are_read_as_they_are(tmp_path: Path) -> None:
-    assert maps_in(tmp_path / "nowhere") == []
-    write_map(tmp_path / "one", [("10", "1", "ok", "0.5"), ("20", "1", "failed", ""), ("10", "5", "ok", "0.25")])
-    (found,) = maps_in(tmp_path)
-    assert (found.name, found.compensator, found.place) == ("one", "pid", f"{STICTION}, nominal")
-    assert (found.x.title, found.x.values, found.y.values) == ("L [1/s]", [10.0, 20.0], [1.0, 5.0])
-    (layer,) = found.layers
-    assert (layer.title, layer.values) == ("1 - FRR, what is left of friction's effect", [[0.5, None], [0.75, None]])
-    assert (found.refused, found.marks.points, found.marks.line) == (1, [("low", 10.0, 5.0)], [])
-
-
-@pytest.mark.parametrize(
-    ("rows", "drawing", "told"),
-    [
-        ([("10", "1", "ok", "0.5")] * 2, {}, "has a cell of L and Li twice"),
-        ([("10", "1", "ok", "0.5")], {"metric": "frrr"}, "has no column frrr"),
-        ([("10", "1", "failed", "")], {}, "has no number in frr"),
-        ([("10", "1", "ok", "0.5")], {"points": 1}, "does not say what is drawn"),
-        ([], {}, "has a map.json, but no map.csv"),
-    ],
-)
-def test_a_map_of_something_else_is_refused(
-    rows: list[tuple[str, str, str, str]], drawing: dict[str, object], told: str, tmp_path: Path
-) -> None:
-    write_map(tmp_path / "one", rows, **drawing)
-    with pytest.raises(ValueError, match=f"{told}.*write (it|both) again with `fo-gym map`"):
-        maps_in(tmp_path)
 
 
 def test_another_uplot_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
