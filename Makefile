@@ -63,8 +63,8 @@ test-zoo: $(VENV)/.dev  ## let RL-Zoo run the hyperparameters of examples/rl_zoo
 	$(BIN)/python -m pip install --quiet --requirement tests/rl_zoo/requirements.txt
 	$(PYTEST) -m zoo
 
-test-portable: $(VENV)/.dev system  ## what `make test` runs, as an older processor would compute it
-	$(BIN)/python docs/processors/elsewhere.py generic $(PYTEST) -m "$(FAST)"
+test-portable: $(VENV)/.dev system  ## what `make test` runs, but for what is only looked at, as an older processor would compute it
+	$(BIN)/python docs/processors/elsewhere.py generic $(PYTEST) -m "$(FAST) and not looks"
 
 check: $(VENV)/.dev  ## ruff and mypy
 	$(BIN)/ruff check .
@@ -74,10 +74,9 @@ check: $(VENV)/.dev  ## ruff and mypy
 docs: $(VENV)/.docs  ## build the documentation, to docs/_build/html (seconds; no network); warnings are errors
 	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet --doctree-dir docs/_build/doctrees docs docs/_build/html
 
-site: page docs  ## put together what GitHub Pages shows, in build/site: the page, and the documentation under docs/
+site: $(VENV)/.page docs  ## put together what GitHub Pages shows, in build/site: the page, and the documentation under docs/
 	rm -rf build/site
-	mkdir -p build
-	cp -r leaderboard/site build/site
+	$(BIN)/fo-gym page --out build/site --documentation docs
 	cp -r docs/_build/html build/site/docs
 
 dist: $(VENV)/.dev  ## build the package, to dist/; of a release with TAG=v..., which has to be the version
@@ -100,10 +99,10 @@ publish-pages: $(VENV)/.dev system  ## redraw the pictures and the tables of REA
 	$(BIN)/python docs/tables.py
 
 # Long episodes: some limit cycles slip once in ten seconds.
-publish-maps: $(VENV)/.dev  ## draw the maps of docs/maps.md, to docs/maps/ (minutes; goes on after a kill)
-	$(BIN)/fo-gym map pid --x L=10:300:40 --y Li=1:400:40 --duration 40 --out docs/maps/pid
-	$(BIN)/fo-gym map pd --x L=10:300:40 --y Lp=2:60:40 --metric rest --out docs/maps/pd
-	$(BIN)/fo-gym map pid-low --x f_s/f_c=1:2.5:24:linear --y v_s=1e-4:1e-1:24 --duration 40 --out docs/maps/friction
+publish-maps: $(VENV)/.dev  ## draw the maps of the page and of docs/maps.md, to leaderboard/maps/ (minutes; goes on after a kill)
+	$(BIN)/fo-gym map pid --x L=10:300:40 --y Li=1:400:40 --duration 40 --out leaderboard/maps/pid
+	$(BIN)/fo-gym map pd --x L=10:300:40 --y Lp=2:60:40 --metric rest --out leaderboard/maps/pd
+	$(BIN)/fo-gym map pid-low --x f_s/f_c=1:2.5:24:linear --y v_s=1e-4:1e-1:24 --duration 40 --out leaderboard/maps/friction
 
 publish-videos: $(VENV)/.dev system  ## film the two GIFs of the README, to docs/images/
 	$(BIN)/fo-gym render none pid-low pd-low pid-high --speed 2 --out docs/images/hunting.gif

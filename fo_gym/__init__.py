@@ -15,7 +15,7 @@ from fo_gym.parameters import FlexibleJoint, ImpedanceGains, JointInfo, PDGains
 from fo_gym.signals import Signals
 from fo_gym.specs import list_compensators
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 __all__ = [
     "ENVIRONMENTS",

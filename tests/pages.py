@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -31,13 +32,29 @@ def write_leaderboard(folder: Path) -> None:
     """Publish five competitors on two environments in two variants, with claims and a map."""
     protocol = Protocol("small", "validation", 2, (STICTION, SQUARE), ("nominal", "randomized"), NAMES)
     write_results(protocol, run_protocol(protocol), folder)
-    (folder / "maps").mkdir()
-    rows = [f"{low},{high},{low * high}" for low in (10, 20, 40) for high in (1, 5)]
-    (folder / "maps" / "pid over gains.csv").write_text("L,Li,hunting\n" + "\n".join(rows) + "\n", encoding="utf-8")
+    cells = [(f"{low}", f"{high}", "ok", f"{low * high / 250}") for low in (10, 20, 40) for high in (1, 5)]
+    write_map(folder / "maps" / "pid over gains", cells)
     published = Path(__file__).parents[1] / "leaderboard"
     (folder / "paper").mkdir()
     shutil.copy(published / "paper" / "claims.csv", folder / "paper" / "claims.csv")
     shutil.copy(published / "fidelity.csv", folder / "fidelity.csv")
+
+
+def write_map(folder: Path, cells: Iterable[tuple[str, str, str, str]], **drawing: object) -> None:
+    """Publish a map of FRR over L and Li, as `fo-gym map` writes it.
+
+    Args:
+        folder: of the map.
+        cells: L, Li, status and FRR of each; without any there is no table.
+        drawing: what is told otherwise of what is drawn.
+    """
+    folder.mkdir(parents=True)
+    told = {"x": "L", "y": "Li", "metric": "frr", "points": {"low": [10, 5]}, "line": [], "line_name": "", **drawing}
+    (folder / "map.json").write_text(json.dumps(told), encoding="utf-8")
+    lines = [f"{STICTION},single_link,nominal,pid,{L},{Li},{status},{frr},m\n" for L, Li, status, frr in cells]
+    head = "env,robot,variant,compensator,L,Li,status,frr,joint_unit\n"
+    if lines:
+        (folder / "map.csv").write_text(head + "".join(lines), encoding="utf-8")
 
 
 @contextmanager
@@ -83,3 +100,22 @@ class Visit:
     def hash(self) -> str:
         """What the address says after the page."""
         return str(self.page.evaluate("decodeURIComponent(location.hash)"))
+
+
+Open = Callable[..., Visit]
+
+
+@contextmanager
+def visits(browser: Browser, site: Path) -> Iterator[Open]:
+    """Opens the page; at the end it must not have complained, nor asked for anything outside its folder."""
+    opened: list[Visit] = []
+
+    def open_page(address: str = "", **screen: object) -> Visit:
+        opened.append(Visit(browser, site, address, **screen))  # type: ignore[arg-type]
+        return opened[-1]
+
+    yield open_page
+    for each in opened:
+        assert each.complaints == []
+        assert [url for url in each.asked if not url.startswith((site.as_uri(), "data:", "blob:", "about:"))] == []
+        each.page.close()

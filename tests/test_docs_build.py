@@ -14,6 +14,8 @@ from test_docstrings import offers, public
 
 import fo_gym
 
+pytestmark = pytest.mark.looks
+
 ROOT = Path(__file__).parents[1]
 
 
@@ -21,7 +23,7 @@ ROOT = Path(__file__).parents[1]
 def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The pages, built from a copy of what they are made of, as a workflow builds them."""
     copy = tmp_path_factory.mktemp("docs") / "copy"
-    shutil.copytree(ROOT, copy, ignore=shutil.ignore_patterns(".*", "_build", "__pycache__", "build"))
+    shutil.copytree(ROOT, copy, ignore=shutil.ignore_patterns(".*", "_build", "__pycache__", "build", "site"))
     server = {"GITHUB_SERVER_URL": "https://example.org", "GITHUB_REPOSITORY": "some/one"}
     command = [sys.executable, "-m", "sphinx", "--fail-on-warning", "--keep-going", "--quiet"]
     command += ["docs", "docs/_build/html"]

@@ -22,6 +22,8 @@ from fo_gym.evaluation.results.style import label
 from fo_gym.evaluation.results.tables import marked
 from fo_gym.evaluation.results.trace_figure import trace_figure
 
+pytestmark = pytest.mark.looks
+
 LEVELS = [0.999, 0.998, 0.99, 0.9, 0.5, 0.0, -5.0, -20.0, 1.0, 0.99999]
 
 

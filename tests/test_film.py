@@ -22,6 +22,8 @@ from fo_gym.evaluation.results.film.takes import Take, curves_of, take
 from fo_gym.evaluation.results.film.writing import write_film
 from fo_gym.evaluation.runs.episodes import EpisodeSet
 
+pytestmark = pytest.mark.looks
+
 STICTION, SQUARE = "FJRStiction-v0", "FJRSquare-v0"
 FRAME_DT = 0.1
 

@@ -15,7 +15,8 @@ import fo_gym
 from fo_gym.evaluation.competitors.content import Content
 from fo_gym.evaluation.metrics import METRICS
 from fo_gym.evaluation.results.map import Map, column_of, map_table
-from fo_gym.evaluation.results.map_figure import Marks, map_figure
+from fo_gym.evaluation.results.map_drawing import Drawing, Marks
+from fo_gym.evaluation.results.map_figure import map_figure
 from fo_gym.evaluation.runs import cells as cells_module
 from fo_gym.evaluation.runs import store as store_module
 from fo_gym.evaluation.runs.backends import Processes
@@ -127,6 +128,7 @@ def test_what_is_kept_is_of_these_cells_and_of_this_source(monkeypatch: pytest.M
     assert len({one, other, key_of(plan.episode, plan.competitor)}) == 3
     changed = Content({"cells.py": "another"}, {})
     monkeypatch.setattr(store_module, "content_of_source", lambda source: changed)
+    monkeypatch.setattr(store_module, "_kind", store_module._kind.__wrapped__)
     assert key_of(sets[0], plan.competitor) != one
 
 
@@ -184,12 +186,13 @@ def synthetic(metric: str, values: list[float]) -> pd.DataFrame:
     return rows.assign(status="ok", **{metric: values})
 
 
+@pytest.mark.looks
 @pytest.mark.parametrize("metric", ["limit_cycle_peak_to_peak_ju", "steady_state_error_ju", "frr", "overshoot_percent"])
 def test_a_figure_of_each_kind(metric: str) -> None:
     table = synthetic(metric, [0.0, 2e-4, 1e-3, 5e-3, np.nan, 1e-2, 0.1, 0.2, np.nan])
     table.loc[8, "status"] = "failed"
     marks = Marks({"here": (30.0, 2.0), "far away": (1e4, 2.0)}, np.array([[10.0, 1.0], [100.0, 3.0]]), "a line")
-    figure = map_figure(table, "L", "f_s/f_c", metric, marks)
+    figure = map_figure(table, Drawing("L", "f_s/f_c", metric, marks))
     figure.draw_without_rendering()
     axis, bar = figure.axes
     lost, image = (mesh.get_array() for mesh in axis.collections)
@@ -220,7 +223,7 @@ def test_the_command(tmp_path: Path) -> None:
         assert "4 cells, 1 refused or failed; frr from" in first.out
         assert "the first that was refused or failed: ValueError: PIDObserver: Lp^2 = 4" in first.err
         assert "from the store" in again.err
-        assert {path.name for path in Path("build/map").iterdir()} == {"map.csv", "map.png", "map.pdf"}
+        assert {path.name for path in Path("build/map").iterdir()} == {"map.csv", "map.json", "map.png", "map.pdf"}
         rows = pd.read_csv("build/map/map.csv")
         assert rows[["L", "Li"]].to_numpy().tolist() == [[10, 1], [10, 9], [50, 1], [50, 9]]
         theirs = run("map", "mine.py:Mine", "--x", "bandwidth=40,80", "--y", "f_c=0.5,1", "--jobs", "1", "--out", "b")

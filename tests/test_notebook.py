@@ -10,6 +10,8 @@ import nbformat
 import pytest
 from nbclient import NotebookClient
 
+pytestmark = pytest.mark.looks
+
 ROOT = Path(__file__).parents[1]
 FILE = ROOT / "examples" / "train_a_policy.ipynb"
 

@@ -1,4 +1,4 @@
-"""What the page is made of: packed traces, motion in words, the report's sentences, maps, and the libraries at hand."""
+"""What the page is made of: packed traces, motion in words, the report's sentences, and the libraries at hand."""
 
 from __future__ import annotations
 
@@ -17,7 +17,6 @@ from fo_gym.evaluation.results.leaderboard import leaderboard
 from fo_gym.files import csv, read_csv
 from fo_gym.page import vendor
 from fo_gym.page.board import digits, key_of, overview, rankings
-from fo_gym.page.maps import maps_in
 from fo_gym.page.motion import look_at, turning_points
 from fo_gym.page.packing import packed, trace_script
 from fo_gym.page.recording import telling_seed
@@ -26,6 +25,7 @@ from fo_gym.page.stories import stories
 from fo_gym.page.summary import Summary, summarized, worst_seeds
 from fo_gym.page.who import everybody
 
+ROOT = Path(__file__).parents[1]
 TIME = np.linspace(0.0, 20.0, 2001)
 NAMES = {"mine": [0.5, 0.6, 0.4, 0.55], "pid-high": [0.9, 0.91, 0.92, 0.9], "pd-low": [0.1, 0.2, 0.15, 0.12]}
 WHO = everybody([Competitor(name, name) for name in NAMES])
@@ -178,30 +178,16 @@ def test_a_report_tells_wins_losses_and_the_worst_episodes_first() -> None:
     assert told.shown == ("pid-high", "mine")
 
 
-# Stories, maps, libraries
+# Stories, libraries
 
 
 def test_stories_are_told_where_their_rows_are() -> None:
-    table = read_csv((Path(__file__).parents[1] / "leaderboard" / "leaderboard.csv").read_text(encoding="utf-8"))
+    table = read_csv((ROOT / "leaderboard" / "leaderboard.csv").read_text(encoding="utf-8"))
     found = {story.key: story for story in stories(table)}
     assert list(found) == ["pid-low", "pd-low", "pid-high", "square"]
     row = table[(table["env"] == STICTION) & (table["variant"] == "nominal") & (table["compensator"] == "pid-low")]
     assert f"{1e3 * row['limit_cycle_peak_to_peak_ju'].iloc[0]:.2f} mm" in found["pid-low"].answer
     assert stories(results()[1]) == []
-
-
-def test_maps_are_read_as_they_are(tmp_path: Path) -> None:
-    assert maps_in(tmp_path / "nowhere") == []
-    (tmp_path / "one.csv").write_text("L,Li,frr\n1,5,0.5\n2,5,\n1,7,0.25\n2,7,1\n", encoding="utf-8")
-    (found,) = maps_in(tmp_path)
-    assert (found.name, found.x_name, found.y_name, found.value_name) == ("one", "L", "Li", "frr")
-    assert (found.x, found.y, found.values) == ([1.0, 2.0], [5.0, 7.0], [[0.5, None], [0.25, 1.0]])
-    (tmp_path / "two.csv").write_text("L,Li\n1,5\n", encoding="utf-8")
-    with pytest.raises(ValueError, match="has the columns L, Li; a map has three"):
-        maps_in(tmp_path)
-    (tmp_path / "two.csv").write_text("L,Li,frr\n1,5,1\n1,5,2\n", encoding="utf-8")
-    with pytest.raises(ValueError, match="has a point of L and Li twice"):
-        maps_in(tmp_path)
 
 
 def test_another_uplot_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,13 +7,15 @@ from pathlib import Path
 
 import pytest
 from commands import MINE
-from pages import LINK, Visit, chromium, run
+from pages import LINK, Open, chromium, run, visits
 from playwright.sync_api import Browser
 from tables import STICTION
 from typer.testing import CliRunner
 
 from fo_gym.cli import app
 from fo_gym.page import vendor
+
+pytestmark = pytest.mark.looks
 
 
 @pytest.fixture(scope="module")
@@ -33,8 +35,14 @@ def browser() -> Iterator[Browser]:
         yield found
 
 
-def test_a_report_tells_of_ones_own_beside_others(report: Path, browser: Browser) -> None:
-    opened = Visit(browser, report)
+@pytest.fixture
+def visit(browser: Browser, report: Path) -> Iterator[Open]:
+    with visits(browser, report) as found:
+        yield found
+
+
+def test_a_report_tells_of_ones_own_beside_others(visit: Open) -> None:
+    opened = visit()
     page = opened.page
     assert page.locator("h1").inner_text() == f"mine on {STICTION}, nominal"
     best = page.locator("tr.best").get_attribute("data-name") or ""
@@ -44,8 +52,63 @@ def test_a_report_tells_of_ones_own_beside_others(report: Path, browser: Browser
     page.click(".episodes a")
     assert f"set={LINK}" in opened.hash()
     assert page.locator("#claims").count() == 0
-    assert opened.complaints == []
-    opened.page.close()
+
+
+# What a reader does with the tables of any page
+
+
+def test_sorting_changes_the_order(visit: Open) -> None:
+    opened = visit(f"#set={LINK}")
+    header = opened.page.locator("[data-sort='torque_roughness_ratio'] >> visible=true")
+    header.click()
+    column = opened.page.locator("section.ranking:not([hidden]) tbody tr td:last-child")
+    up = [float(text) for text in column.evaluate_all("all => all.map((each) => each.dataset.value)")]
+    assert up == sorted(up)
+    header.focus()
+    opened.page.keyboard.press("Enter")
+    down = [float(text) for text in column.evaluate_all("all => all.map((each) => each.dataset.value)")]
+    assert down == sorted(down, reverse=True)
+    assert opened.page.locator("[aria-sort='descending'] >> visible=true").count() == 1
+    ranked = visit(f"#set={LINK}").names()
+    assert opened.names() != ranked
+    assert sorted(opened.names()) == sorted(ranked)
+
+
+def test_filters_leave_who_fits(visit: Open) -> None:
+    opened = visit(f"#set={LINK}")
+    everybody = opened.names()
+    opened.page.select_option("#family", "kim2019")
+    assert sorted(opened.names()) == ["pd-low", "pid-high"]
+    opened.page.fill("#search", "pid")
+    assert opened.names() == ["pid-high"]
+    opened.page.fill("#search", "nobody")
+    assert opened.names() == []
+    assert opened.page.locator("#empty").is_visible()
+    opened.page.fill("#search", "")
+    opened.page.select_option("#family", "")
+    assert opened.names() == everybody
+
+
+def test_views_are_reached_by_keyboard(visit: Open) -> None:
+    opened = visit(f"#set={LINK}&show=pid-high,pd-low")
+    opened.page.focus("#tab-traces")
+    opened.page.keyboard.press("ArrowRight")
+    opened.page.wait_for_selector("#pareto svg circle")
+    opened.page.keyboard.press("ArrowRight")
+    opened.page.wait_for_selector("#numbers-table td")
+    heads = opened.page.locator("#numbers-table thead th").all_inner_texts()
+    assert heads == ["number", "pid-high", "pd-low"]
+
+
+def test_the_theme_is_the_systems_until_it_is_changed(visit: Open) -> None:
+    opened = visit(scheme="dark")
+    background = "getComputedStyle(document.body).backgroundColor"
+    dark = opened.page.evaluate(background)
+    opened.page.click("#theme")
+    assert opened.page.evaluate(background) == "rgb(255, 255, 255)" != dark
+
+
+# The commands
 
 
 @pytest.mark.parametrize(

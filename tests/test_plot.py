@@ -12,6 +12,8 @@ import pytest
 import fo_gym
 from fo_gym.evaluation.episode.trace import Trace
 
+pytestmark = pytest.mark.looks
+
 STICTION, SQUARE = "FJRStiction-v0", "FJRSquare-v0"
 NAMES = ("none", "pid-low", "pid-high")
 

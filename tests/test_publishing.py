@@ -152,7 +152,9 @@ def test_citation() -> None:
 
 
 def test_the_package_says_where_the_project_is(tmp_path: Path) -> None:
-    shutil.copytree(ROOT, tmp_path / "source", ignore=shutil.ignore_patterns(".*", "__pycache__", "build", "_build"))
+    shutil.copytree(
+        ROOT, tmp_path / "source", ignore=shutil.ignore_patterns(".*", "__pycache__", "build", "_build", "site")
+    )
     options = {"GITHUB_SERVER_URL": "https://github.com", "GITHUB_REPOSITORY": "Some/one"}
     program = "from hatchling.builders.wheel import WheelBuilder; print(*WheelBuilder('.').build(directory='dist'))"
     command = [sys.executable, "-c", program]

@@ -24,6 +24,8 @@ from fo_gym.simulation.simulation import Simulation
 from fo_gym.tasks.interaction import interaction
 from fo_gym.tasks.stiction import stiction
 
+pytestmark = pytest.mark.looks
+
 IDS = ("FJRStiction-v0", "FJRRegulation-v0", "FJRSquare-v0")
 STICTION_ID, REGULATION_ID, SQUARE_ID = IDS
 some_slow = pytest.mark.parametrize(

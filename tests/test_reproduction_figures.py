@@ -18,7 +18,7 @@ from fo_gym.reproduction.figures.motivating import VIEWS, break_away
 from fo_gym.reproduction.figures.style import KINDS, LINES
 from fo_gym.reproduction.runs import GAINS, panels
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.looks]
 QUICK = Subject(control_dt=1e-3, quick=True)
 TIMED = "convergence"
 """The one figure that holds times, which differ from run to run."""

@@ -10,6 +10,9 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.looks
+
+
 ROOT = Path(__file__).parents[1]
 
 

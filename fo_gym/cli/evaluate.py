@@ -199,11 +199,14 @@ def _check_report(compensators: Sequence[str]) -> None:
 def _write_report(results: Results, contest: Contest, folder: Path, store: Store, jobs: int) -> None:
     """The page about the first competitor, whose worst episodes are recorded with everybody in them."""
     from fo_gym.page.build import report_of, report_plan
+    from fo_gym.page.documentation import documentation
 
     with building():
         plan = report_plan(results, contest)
         with working("joblib", jobs, None, plan.runs, f"; finished runs are kept in {store.folder}") as (workers, told):
-            page = report_of(plan, results, folder, backend=workers, store=store, on_run=told)
+            page = report_of(
+                plan, results, folder, backend=workers, store=store, documentation=documentation(), on_run=told
+            )
         tell_written([page])
 
 

@@ -37,7 +37,7 @@ def run_map(
         list[str] | None, typer.Option(metavar="NAME=VALUE", help="A gain that is the same everywhere, repeatable.")
     ] = None,
     duration: Annotated[float | None, typer.Option(help="Length of an episode, s; by default the task's own.")] = None,
-    out: Annotated[Path, typer.Option(file_okay=False, help="Folder for map.csv, map.png and map.pdf.")] = OUT,
+    out: Annotated[Path, typer.Option(file_okay=False, help="Folder for map.csv, .json, .png and .pdf.")] = OUT,
     jobs: Jobs = -1,
     store: StoreFolder = STORE,
     fresh: Fresh = False,
@@ -47,8 +47,9 @@ def run_map(
     VALUES is LOW:HIGH:COUNT (geometric where both ends are above 0), LOW:HIGH:COUNT:linear, or values with commas
     between. Cells run together, side by side in few batches; those that the compensator refuses are hatched, not run.
     pid and pd are the observers of arXiv:1907.00553 with what is not given in the proportions of its gains; these, and
-    the line L_p^2 = 2 L_i, are marked. map.csv has every metric of every cell. Finished batches are kept in the store:
-    the same command goes on with them, and draws another metric at once.
+    the line L_p^2 = 2 L_i, are marked. map.csv has every metric of every cell, map.json what is drawn of it: from both
+    `fo-gym page` makes a map to look at. Finished batches are kept in the store: the same command goes on with them,
+    and draws another metric at once.
 
     Examples:
         fo-gym map pid --x L=10:300:40 --y Li=1:400:40 --metric hunting
@@ -95,12 +96,14 @@ def _tell(table: pd.DataFrame, column: str) -> None:
 
 
 def _write(table: pd.DataFrame, plan: Map, column: str, out: Path) -> list[Path]:
+    from fo_gym.evaluation.results.map_drawing import Drawing
     from fo_gym.evaluation.results.map_figure import map_figure
     from fo_gym.evaluation.results.style import save_figure
     from fo_gym.files import atomic, csv
     from fo_gym.reproduction.marks import paper_marks
 
-    written = [out / "map.csv"]
-    atomic(written[0], csv(table))
-    figure = map_figure(table, plan.x[0], plan.y[0], column, paper_marks(plan))
-    return [*written, *save_figure(figure, out / "map", ("png", "pdf"))]
+    drawing = Drawing(plan.x[0], plan.y[0], column, paper_marks(plan))
+    written = [out / "map.csv", out / "map.json"]
+    for path, text in zip(written, (csv(table), drawing.text()), strict=True):
+        atomic(path, text)
+    return [*written, *save_figure(map_figure(table, drawing), out / "map", ("png", "pdf"))]

@@ -37,6 +37,14 @@ def run_page(
     protocol: Annotated[
         str | None, typer.Option(help="That of the results; by default the shipped one of their name.")
     ] = None,
+    documentation: Annotated[
+        str | None,
+        typer.Option(
+            help="Address of the documentation, for links, such as docs where it lies beside the page; by default the "
+            "project's own, where the installed package names one.",
+            show_default=False,
+        ),
+    ] = None,
     submissions: Submissions = None,
     jobs: Jobs = -1,
     store: StoreFolder = STORE,
@@ -45,7 +53,8 @@ def run_page(
     """Build the page of the leaderboard: rankings, traces, trade-offs, claims, as one folder that needs no network.
 
     Everybody is recorded in one episode of each environment and variant, for the traces: minutes the first time, at
-    once from the store after that. Maps are shown where FROM has a folder maps of CSV files. Open OUT/index.html.
+    once from the store after that. Maps are shown where `fo-gym map --out FROM/maps/NAME` wrote some. Open
+    OUT/index.html.
 
     Examples:
         fo-gym page
@@ -58,8 +67,17 @@ def run_page(
     check_folder("--store", store)
     with building():
         from fo_gym.page.build import page_of, plan_of
+        from fo_gym.page.documentation import documentation as known
 
         plan = plan_of(from_, submissions_of(submissions), protocol)
         with working("joblib", jobs, None, plan.runs, f"; finished runs are kept in {store}") as (workers, told):
-            page = page_of(plan, from_, folder, backend=workers, store=store_in(store, fresh=fresh), on_run=told)
+            page = page_of(
+                plan,
+                from_,
+                folder,
+                backend=workers,
+                store=store_in(store, fresh=fresh),
+                documentation=known() if documentation is None else documentation.rstrip("/"),
+                on_run=told,
+            )
         tell_written([page])

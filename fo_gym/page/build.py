@@ -14,7 +14,7 @@ from fo_gym.evaluation.runs.contest import Contest, Results
 from fo_gym.evaluation.runs.store import Store
 from fo_gym.files import csv, read_csv
 from fo_gym.page.board import key_of
-from fo_gym.page.maps import FOLDER, maps_in
+from fo_gym.page.maps import FOLDER, TABLE, maps_in
 from fo_gym.page.recording import SetKey, everybodys, single_episodes, telling_seeds
 from fo_gym.page.site import Content, write_site
 from fo_gym.page.statements import statements_in
@@ -72,6 +72,7 @@ def page_of(
     *,
     backend: Backend,
     store: Store,
+    documentation: str = "",
     on_run: Callable[[str], None] | None = None,
 ) -> Path:
     """Record what is missing and write the page.
@@ -82,6 +83,7 @@ def page_of(
         out: the folder of the page.
         backend: who records.
         store: where recorded runs are kept and looked for.
+        documentation: address of the project's documentation, for links into it; "" leaves them out.
         on_run: who is told of every run.
 
     Returns:
@@ -92,7 +94,7 @@ def page_of(
         ValueError: a map cannot be read, or the folder holds what no page left there.
     """
     maps = maps_in(folder / FOLDER)
-    tables = [*_TABLES, *(f"{FOLDER}/{each.name}.csv" for each in maps)]
+    tables = [*_TABLES, *(f"{FOLDER}/{each.name}/{TABLE}" for each in maps)]
     content = Content(
         table=read_csv((folder / "leaderboard.csv").read_text(encoding="utf-8")),
         who=everybody(_once(plan.contests)),
@@ -101,6 +103,7 @@ def page_of(
         statements=list(statements_in(folder)),
         maps=maps,
         files={name: (folder / name).read_bytes() for name in tables if (folder / name).is_file()},
+        documentation=documentation,
     )
     return write_site(content, out)
 
@@ -124,6 +127,7 @@ def report_of(
     *,
     backend: Backend,
     store: Store,
+    documentation: str = "",
     on_run: Callable[[str], None] | None = None,
 ) -> Path:
     """Write the page of one competitor beside others.
@@ -131,7 +135,7 @@ def report_of(
     Args:
         plan: of the report.
         results: what came of its contest.
-        out, backend, store, on_run: as for `page_of`, with its errors.
+        out, backend, store, documentation, on_run: as for `page_of`, with its errors.
 
     Returns:
         The page.
@@ -149,6 +153,7 @@ def report_of(
         traces=traces,
         summary=summarized(name, results.episodes, table, own, key_of(*_where(contest))),
         files={file: text.encode() for file, text in files.items()},
+        documentation=documentation,
     )
     return write_site(content, out)
 

@@ -52,6 +52,7 @@ class Content:
         maps: maps, where there are some.
         summary: in a report, what it says of the reader's own.
         files: what can be downloaded, by name.
+        documentation: address of the project's documentation, without a slash at its end; "" where there is none.
     """
 
     table: pd.DataFrame
@@ -62,6 +63,7 @@ class Content:
     maps: Sequence[Map] = ()
     summary: Summary | None = None
     files: Mapping[str, bytes] = field(default_factory=dict)
+    documentation: str = ""
 
 
 def write_site(content: Content, out: Path) -> Path:
@@ -131,6 +133,7 @@ def _html(content: Content, shown: Sequence[Ranking]) -> str:
         maps=content.maps,
         provenance=_provenance(content.table),
         files=list(content.files),
+        documentation=content.documentation,
         scripts=[*_SCRIPTS, *(["maps.js"] if content.maps else []), "start.js"],
     )
 

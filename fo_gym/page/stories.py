@@ -27,6 +27,7 @@ class Story:
         ranking: key of the ranking that it is about.
         shown: whose traces answer it.
         span: the seconds to look at.
+        more: the page of the documentation that tells more.
     """
 
     key: str
@@ -35,6 +36,7 @@ class Story:
     ranking: str
     shown: tuple[str, ...]
     span: tuple[float, float]
+    more: str
 
 
 class _Table:
@@ -64,6 +66,7 @@ def _why_pid_hunts(number: _Table) -> Story:
         key_of(_LINK, environment_of(_LINK).robot_name, "nominal"),
         ("pid-low",),
         (0.0, 20.0),
+        "theory/hunting.html#why-the-pid-type-hunts",
     )
 
 
@@ -77,6 +80,7 @@ def _why_pd_stops_short(number: _Table) -> Story:
         key_of(_LINK, environment_of(_LINK).robot_name, "nominal"),
         ("pd-low", "pid-low"),
         (0.0, 20.0),
+        "theory/hunting.html#why-the-pd-type-stops-short",
     )
 
 
@@ -92,6 +96,7 @@ def _what_gains_buy(number: _Table) -> Story:
         key_of(_LINK, environment_of(_LINK).robot_name, "hardware"),
         ("pid-low", "pid-high"),
         (0.0, 20.0),
+        "hardware.html",
     )
 
 
@@ -106,6 +111,7 @@ def _what_it_means_for_a_tool(number: _Table) -> Story:
         key_of(_SQUARE, environment_of(_SQUARE).robot_name, "nominal"),
         ("none", "pid-high"),
         (0.0, 8.0),
+        "environments/FJRSquare-v0.html",
     )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from fo_gym.compensators import CompensatorError
 from fo_gym.evaluation.results.map import Map
-from fo_gym.evaluation.results.map_figure import Marks
+from fo_gym.evaluation.results.map_drawing import Marks
 from fo_gym.reproduction.runs import GAINS
 from fo_gym.tasks.variants import NOMINAL
 

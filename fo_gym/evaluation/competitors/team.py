@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import repeat
 from typing import Any, TypeVar
 
 import numpy as np
@@ -12,11 +13,13 @@ from numpy.typing import NDArray
 
 from fo_gym.compensators import Compensator, diagnostics_of, has_learned, is_privileged
 from fo_gym.parameters import JointInfo, with_fields
-from fo_gym.signals import Signals
+from fo_gym.signals import SIGNALS, Signals
 
 Array = NDArray[np.float64]
 Name = TypeVar("Name", bound=Hashable)
-Batch = TypeVar("Batch", JointInfo, Signals)
+
+_ARRAYS = (*SIGNALS, "time", "reference")
+"""The arrays that Signals consists of, in its order; `available` and `truth` follow."""
 
 __all__ = ["Team", "alike"]
 
@@ -53,8 +56,7 @@ class Team:
     def estimate(self, signals: Signals) -> Array:
         """tau_f_hat, (num_envs, dof), the rows of each member from itself. Raises ValueError for another shape."""
         estimate = np.empty(signals.theta.shape)
-        for place, member in enumerate(self.members):
-            seen = _of(signals, self.rows(place))
+        for place, (member, seen) in enumerate(zip(self.members, self._shares(signals), strict=True)):
             start = time.perf_counter()
             answer = np.asarray(member.estimate(seen))
             self.seconds[place].append(time.perf_counter() - start)
@@ -74,16 +76,31 @@ class Team:
                 whole[self.rows(place)] = told
         return found
 
+    def _shares(self, signals: Signals) -> Iterator[Signals]:
+        """What each member sees. All arrays are taken apart at once: this happens at every tick."""
 
-def _of(batch: Batch, rows: slice) -> Batch:
+        def parts(array: Array) -> Array:
+            return array.reshape(len(self.members), self.share, *array.shape[1:])
+
+        made: Any = Signals
+        truth, count = signals.truth, len(self.members)
+        truths: Iterable[Mapping[str, Array] | None] = (
+            repeat(None, count)
+            if truth is None
+            else (dict(zip(truth, each, strict=True)) for each in zip(*map(parts, truth.values()), strict=True))
+        )
+        views = zip(*(parts(getattr(signals, name)) for name in _ARRAYS), strict=True)
+        for arrays, true in zip(views, truths, strict=True):
+            yield made(*arrays, signals.available, true)
+
+
+def _of(joints: JointInfo, rows: slice) -> JointInfo:
     """The rows of everything that has a row for each environment."""
-    parts: dict[str, Any] = {name: part[rows] for name, part in vars(batch).items() if isinstance(part, np.ndarray)}
-    if isinstance(batch, Signals) and batch.truth is not None:
-        parts["truth"] = {name: part[rows] for name, part in batch.truth.items()}
-    if isinstance(batch, JointInfo) and batch.identified is not None and np.ndim(batch.identified.f_c) > 1:
-        own = {name: field[rows] for name, field in vars(batch.identified).items()}
-        parts["identified"] = with_fields(batch.identified, own)
-    return replace(batch, **parts)
+    parts: dict[str, Any] = {name: part[rows] for name, part in vars(joints).items() if isinstance(part, np.ndarray)}
+    if joints.identified is not None and np.ndim(joints.identified.f_c) > 1:
+        own = {name: field[rows] for name, field in vars(joints.identified).items()}
+        parts["identified"] = with_fields(joints.identified, own)
+    return replace(joints, **parts)
 
 
 def _kind(member: Compensator) -> tuple[str, bool]:

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-
 import numpy as np
 import pandas as pd
 from matplotlib import colormaps
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colorizer import Colorizer
-from matplotlib.colors import Colormap, ListedColormap, LogNorm, Normalize
+from matplotlib.colors import ListedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -19,86 +16,52 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 from numpy.typing import NDArray
 
-from fo_gym.evaluation.metrics import METRICS
-from fo_gym.evaluation.metrics.hunting import HUNTING
-from fo_gym.evaluation.metrics.registry import HEADLINE
+from fo_gym.evaluation.results.map_drawing import Drawing, Layer, Marks, is_logarithmic, layer_of, symbol, unit_of
 from fo_gym.evaluation.results.style import VERMILLION, figure_of, label
-from fo_gym.evaluation.runs.episodes import FAILED, place_of
+from fo_gym.evaluation.runs.episodes import place_of
 
 Array = NDArray[np.float64]
 
 _SIZE = (5.2, 4.3)
-_MILLI = 1e3
-_DECADES = 4.0
-"""Decades below the largest value that a logarithmic colour shows."""
-_SYMBOLS = {
-    "L": "$L$ [1/s]",
-    "Lp": "$L_p$ [1/s]",
-    "Li": "$L_i$ [1/s²]",
-    "f_s/f_c": "$f_s/f_c$",
-    "v_s": "$v_s$ [{unit}/s]",
-}
-_HUNTING = "limit_cycle_peak_to_peak_ju"
 _AT_REST, _LOST = "0.9", "0.45"
 """Greys of cells that do not hunt, and of those without a number."""
 _PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
 
-__all__ = ["Marks", "map_figure"]
+__all__ = ["map_figure"]
 
 
-@dataclass(frozen=True)
-class Marks:
-    """What is marked on a map.
-
-    Attributes:
-        points: places (x, y) by their names.
-        line: a curve of points (n, 2), or None.
-        line_name: what that is.
-    """
-
-    points: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    line: Array | None = None
-    line_name: str = ""
-
-
-def map_figure(table: pd.DataFrame, x: str, y: str, metric: str, marks: Marks = Marks()) -> Figure:
+def map_figure(table: pd.DataFrame, drawing: Drawing) -> Figure:
     """A metric as colour over two parameters, refused and failed cells hatched.
-
-    Limit cycles are coloured above what counts as hunting; of the friction rejection ratio, what is missing to 1.
 
     Args:
         table: as `map_table` gives it.
-        x, y: names of the two parameters.
-        metric: column of the metric.
-        marks: what is marked.
+        drawing: what is drawn of it.
     """
     figure = figure_of(*_SIZE)
     axis = figure.subplots()
-    grid = table.pivot(index=y, columns=x, values=metric)
-    unit = str(table["joint_unit"].max())
-    values, title = _values(grid.to_numpy(dtype=np.float64), metric, unit)
-    failed = (table.assign(failed=table["status"] == FAILED).pivot(index=y, columns=x, values="failed")).to_numpy()
-    edges = _edges(axis, "x", grid.columns.to_numpy(float)), _edges(axis, "y", grid.index.to_numpy(float))
+    x, y = (np.unique(table[name].to_numpy(float)) for name in (drawing.x, drawing.y))
+    layer, failed = layer_of(table, drawing, drawing.metric)
+    edges = _edges(axis, "x", x), _edges(axis, "y", y)
     axis.patch.set(facecolor="white", edgecolor="0.6", hatch="////")
-    lost = np.isnan(values) & ~failed
+    lost = np.isnan(layer.values) & ~failed
     axis.pcolormesh(*edges, np.ma.masked_array(lost, ~lost), cmap=ListedColormap([_LOST]), rasterized=True)
-    colour = Colorizer(*_colours(values, metric))
-    if isinstance(colour.norm, LogNorm):
-        values = np.maximum(values, 0.5 * float(colour.norm.vmin or 0.0))  # a logarithm of 0 would leave a hole
-    image = axis.pcolormesh(*edges, np.ma.masked_invalid(values), colorizer=colour, rasterized=True)
-    bar = figure.colorbar(image, ax=axis, label=title)
-    if isinstance(image.norm, LogNorm):
+    # A logarithm of 0 would leave a hole.
+    values = np.maximum(layer.values, 0.5 * layer.low) if layer.logarithmic else layer.values
+    image = axis.pcolormesh(*edges, np.ma.masked_invalid(values), colorizer=_colorizer(layer), rasterized=True)
+    bar = figure.colorbar(image, ax=axis, label=label(layer.title, 60))
+    if layer.logarithmic:
         bar.ax.yaxis.set_major_formatter(_PLAIN)
-    _add_marks(axis, marks)
-    axis.set_xlabel(_SYMBOLS.get(x, label(x)).replace("{unit}", unit))
-    axis.set_ylabel(_SYMBOLS.get(y, label(y)).replace("{unit}", unit))
+    _add_marks(axis, drawing.marks)
+    unit = unit_of(table)
+    axis.set_xlabel(symbol(drawing.x, unit) or label(drawing.x))
+    axis.set_ylabel(symbol(drawing.y, unit) or label(drawing.y))
     place = place_of(table["env"].iloc[0], table["robot"].iloc[0])
     axis.set_title(f"{label(table['compensator'].iloc[0])}, {label(place)}", fontsize="medium")
     entries: dict[str, tuple[bool, Artist]] = {
-        f"at rest (below {_MILLI * HUNTING:g})": (metric == _HUNTING, Patch(color=_AT_REST)),
+        f"at rest (below {layer.low:g})": (layer.rest, Patch(color=_AT_REST)),
         "refused or failed": (bool(failed.any()), Patch(facecolor="white", edgecolor="0.6", hatch="////")),
         "ended early, or does not apply": (bool(lost.any()), Patch(color=_LOST)),
-        marks.line_name: (marks.line is not None, Line2D([], [], color=VERMILLION, linewidth=1.6)),
+        drawing.marks.line_name: (drawing.marks.line is not None, Line2D([], [], color=VERMILLION, linewidth=1.6)),
     }
     shown = {name: entry for name, (there, entry) in entries.items() if there}
     if shown:
@@ -106,36 +69,16 @@ def map_figure(table: pd.DataFrame, x: str, y: str, metric: str, marks: Marks = 
     return figure
 
 
-def _values(values: Array, metric: str, joint_unit: str) -> tuple[Array, str]:
-    """What is coloured, and what the colour bar says."""
-    if metric == HEADLINE:
-        return 1.0 - values, "1 - FRR, what is left of friction's effect"
-    told = METRICS[metric]
-    if metric == _HUNTING:
-        return _MILLI * values, f"limit cycle, peak to peak [m{joint_unit}]"
-    if told.unit == "ju":
-        return _MILLI * values, f"{label(metric.removesuffix('_ju').replace('_', ' '))} [m{joint_unit}]"
-    return values, f"{label(metric.replace('_', ' '), 60)}"
-
-
-def _colours(values: Array, metric: str) -> tuple[Colormap, Normalize]:
-    """Colours and their scale: logarithmic where all is above 0."""
-    finite = values[np.isfinite(values)]
-    high = float(np.max(finite, initial=0.0))
-    if metric == _HUNTING:
-        low = _MILLI * HUNTING
-        return colormaps["viridis"].with_extremes(under=_AT_REST), LogNorm(low, max(high, 10.0 * low))
-    if high > 0.0 and (finite >= 0.0).all():
-        low = max(float(np.min(finite[finite > 0.0], initial=high)), high * 10.0**-_DECADES)
-        return colormaps["viridis"].with_extremes(under=colormaps["viridis"](0.0)), LogNorm(
-            min(low, 0.999 * high), high
-        )
-    return colormaps["viridis"], Normalize()
+def _colorizer(layer: Layer) -> Colorizer:
+    """Its colours and their scale."""
+    colours = colormaps["viridis"]
+    norm = LogNorm(layer.low, layer.high) if layer.logarithmic else Normalize()
+    return Colorizer(colours.with_extremes(under=_AT_REST if layer.rest else colours(0.0)), norm)
 
 
 def _edges(axis: Axes, which: str, values: Array) -> Array:
     """Where cells end, half way between values; the axis becomes logarithmic where they are spaced like that."""
-    logarithmic = bool(values[0] > 0.0 and values[-1] > 4.0 * values[0])
+    logarithmic = is_logarithmic(values)
     places = np.log(values) if logarithmic else values
     if len(places) == 1:
         ends = np.array([places[0] - 0.5, places[0] + 0.5])

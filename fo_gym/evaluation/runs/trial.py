@@ -23,7 +23,7 @@ from fo_gym.tasks.variants import NOMINAL
 REFERENCES = tuple(Competitor(name, name, REFERENCE) for name in BUILT_IN)
 """Who meets every set of episodes, in this order."""
 
-_MEMORY, _ARRAYS = 2**31, 12
+_MEMORY, _ARRAYS = 2**31, 14
 """What the recording of a batch may take, about [bytes], and of how many arrays of all joints it consists."""
 
 __all__ = [

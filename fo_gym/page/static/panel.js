@@ -28,7 +28,10 @@
   function tell_story() {
     const story = stories.get(fg.state.story);
     answer.hidden = !story;
-    if (story) answer.replaceChildren(fg.make("strong", {}, story.querySelector("strong").textContent), " ", story.querySelector("span").textContent);
+    if (!story) return;
+    const more = story.dataset.more ? fg.make("a", { href: story.dataset.more }, "The whole story") : null;
+    answer.replaceChildren(fg.make("strong", {}, story.querySelector("strong").textContent), " ",
+      story.querySelector("span").textContent, " ", ...(more ? [more] : []));
   }
 
   async function compare() {
@@ -67,10 +70,13 @@
     if (fg.state.view === "numbers" && fg.state.set && (changed.has("show") || changed.has("set") || changed.has("view"))) compare();
   });
 
-  /* Links into the page go to where the answer stands. */
+  /* Links into the page go to where the answer stands, once it stands there. */
   document.addEventListener("click", (event) => {
     const link = event.target.closest("a[href^='#set=']");
     if (!link) return;
-    requestAnimationFrame(() => document.getElementById(link.dataset.story || link.closest(".episodes") ? "panel" : "board").scrollIntoView());
+    const place = document.getElementById(link.dataset.story || link.closest(".episodes") ? "panel" : "board");
+    const go = () => place.scrollIntoView();
+    if (location.hash === link.hash) go();
+    else addEventListener("hashchange", go, { once: true });
   });
 })();
