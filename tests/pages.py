@@ -17,7 +17,7 @@ from fo_gym.evaluation.results.report import write_results
 from fo_gym.evaluation.runs.protocol import Protocol
 from fo_gym.evaluation.runs.run import run_protocol
 
-NAMES = ("pid-low", "pid-high", "pd-low", "letien-high", "kaneko")
+NAMES = ("pid-low", "pid-high", "pd-low", "letien-high", "rl-adaptive")
 LINK, SQUARES = f"{STICTION}/nominal", f"{SQUARE}/randomized"
 
 

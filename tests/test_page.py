@@ -101,14 +101,14 @@ def test_a_click_shows_the_trace_that_was_recorded(visit: Open, traces: dict[tup
     opened.wait_for_traces("none", opened.names()[0])
     for name in ("none", opened.names()[0]):
         opened.page.click(f"[aria-label='Take {name} out']")
-    opened.page.click("tr[data-name='kaneko'] >> visible=true")
-    opened.wait_for_traces("kaneko")
-    assert "show=kaneko" in opened.hash()
+    opened.page.click("tr[data-name='rl-adaptive'] >> visible=true")
+    opened.wait_for_traces("rl-adaptive")
+    assert "show=rl-adaptive" in opened.hash()
     with opened.page.expect_download() as download:
         opened.page.click("#traces-csv")
     shown = pd.read_csv(download.value.path())
-    signals = traces[(*LINK.split("/"), "kaneko")].signals  # type: ignore[index]
-    assert set(shown["compensator"]) == {"kaneko"}
+    signals = traces[(*LINK.split("/"), "rl-adaptive")].signals  # type: ignore[index]
+    assert set(shown["compensator"]) == {"rl-adaptive"}
     assert np.allclose(shown["time_s"], signals["time"], atol=1e-5)
     start = float(signals["theta_d"][0, 0])
     for column, name in (("theta", "theta"), ("ideal", "theta_ideal"), ("target", "theta_d")):
@@ -116,6 +116,16 @@ def test_a_click_shows_the_trace_that_was_recorded(visit: Open, traces: dict[tup
         assert np.allclose(shown[column], expected, atol=1e-4 * float(np.ptp(1e3 * signals["theta"])) + 1e-6)
     for name in ("tau_f", "tau_f_hat"):
         assert np.allclose(shown[name], signals[name][:, 0], atol=1e-4 * float(np.ptp(signals[name])) + 1e-6)
+
+
+def test_what_a_compensator_says_besides_has_a_chart_of_its_own(visit: Open) -> None:
+    opened = visit(f"#set={LINK}&show=pid-low,rl-adaptive")
+    opened.wait_for_traces("pid-low", "rl-adaptive")
+    chart = opened.page.locator("[data-chart='diagnostics']")
+    assert "zero correction" in " ".join(chart.locator("figcaption").inner_text().split())
+    opened.page.click("[aria-label='Take rl-adaptive out']")
+    opened.wait_for_traces("pid-low")
+    assert chart.count() == 0
 
 
 def test_the_path_of_the_tool_is_shown_on_the_square(visit: Open) -> None:
@@ -171,9 +181,9 @@ def test_maps_are_drawn_where_they_are_looked_at(visit: Open, site: Path) -> Non
 
 def test_four_are_overlaid_and_the_first_goes(visit: Open) -> None:
     opened = visit(f"#set={LINK}&show=none")
-    for name in ("pid-low", "pid-high", "pd-low", "kaneko"):
+    for name in ("pid-low", "pid-high", "pd-low", "rl-adaptive"):
         opened.page.click(f"tr[data-name='{name}'] button.name >> visible=true")
-    opened.wait_for_traces("pid-low", "pid-high", "pd-low", "kaneko")
+    opened.wait_for_traces("pid-low", "pid-high", "pd-low", "rl-adaptive")
     pressed = opened.page.locator("section.ranking:not([hidden]) [aria-pressed='true']")
     assert pressed.count() == 4
 
