@@ -130,4 +130,5 @@ def kept(dispatcher: Any, name: str, slow: str = "") -> Callable[..., Any]:
         slow: what to call it, where it takes so long to compile that people are told.
     """
     dispatcher._cache = _ContentCache(dispatcher.py_func, name, content(dispatcher), slow)
+    dispatcher.kept_as = name
     return dispatcher

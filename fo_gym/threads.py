@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from functools import cache
 from itertools import pairwise
@@ -16,11 +16,8 @@ VARIABLE = "FO_GYM_NUM_THREADS"
 
 MAX_THREADS = 256
 
-_LEAST_ENVS = 32
-"""Environments of a thread of MuJoCo's: to hand out fewer takes longer than to do them."""
-
-_LEAST_JOINTS = 448
-"""Joints of a thread of ours, likewise: it takes tens of microseconds to wake it."""
+_LEAST_WORK = 256
+"""Joints of a thread, and two more for every environment: it takes tens of microseconds to wake it."""
 
 __all__ = ["MAX_THREADS", "VARIABLE", "Threads", "number_of_threads"]
 
@@ -48,29 +45,29 @@ class Threads:
         wanted: threads at most; a small batch has fewer.
 
     Attributes:
-        count: threads that MuJoCo has.
-        shares: (first, last) environment of every thread of ours, this one's first.
+        count: of threads.
+        shares: (first, last) environment of every thread, this one's first.
     """
 
     def __init__(self, num_envs: int, dof: int, wanted: int) -> None:
-        self.count = max(1, min(wanted, num_envs // _LEAST_ENVS))
-        ours = max(1, min(self.count, num_envs * dof // _LEAST_JOINTS))
-        self.shares = list(pairwise(num_envs * share // ours for share in range(ours + 1)))
+        self.count = max(1, min(wanted, num_envs * (dof + 2) // _LEAST_WORK))
+        self.shares = list(pairwise(num_envs * share // self.count for share in range(self.count + 1)))
 
-    def run(self, work: Callable[..., None], *arguments: Any) -> None:
-        """Call `work(*arguments, first, last)` for every thread's share, and wait for all of them.
+    def run(self, works: Sequence[Callable[..., object]], *arguments: Any) -> None:
+        """Call every thread's work with these arguments, and wait for all of them.
 
         Args:
-            work: releases Python's lock while it works, as what Numba compiled with `nogil` does.
+            works: one for each share; they release Python's lock while they work, as what Numba compiled with `nogil`
+                does, and MuJoCo.
             arguments: the same for all.
         """
-        mine, *others = self.shares
+        mine, *others = works
         if not others:
-            work(*arguments, *mine)
+            mine(*arguments)
             return
-        tasks = [_pool(len(others)).submit(work, *arguments, *share) for share in others]
+        tasks = [_pool(len(others)).submit(work, *arguments) for work in others]
         try:
-            work(*arguments, *mine)
+            mine(*arguments)
         finally:
             wait(tasks)
         for task in tasks:

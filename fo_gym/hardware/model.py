@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.binding import Binds
 from fo_gym.checks import instance, mapping, real_arrays
 from fo_gym.generators import Streams, check_random_states, restored
 from fo_gym.hardware.draw import HardwareDraw, check_draw, draw_hardware
@@ -46,7 +47,7 @@ class HardwareState:
     generators: dict[str, list[Any]]
 
 
-class HardwareModel:
+class HardwareModel(Binds):
     """A plant with its hardware; without effects it measures the truth and does as it is told.
 
     Args:
@@ -66,6 +67,8 @@ class HardwareModel:
         ValueError: an effect has values for another number of joints, a hook of it gives something else than it is
             asked for, or the delay is no whole number of control periods.
     """
+
+    bindings = ("_sense",)
 
     def __init__(
         self,
@@ -98,6 +101,11 @@ class HardwareModel:
         if not disturbed:
             self._asked |= {hook: [] for hook in _DISTURBING}
         self.motor_torque = np.zeros((plant.num_envs, plant.dof))
+        self.bind()
+
+    def bind(self) -> None:
+        """See Binds."""
+        self._sense = self.plant.sensors(*self.readings)
 
     def _truth(self) -> Truth:
         """How the joints are now: copies, which nobody writes into."""
@@ -144,7 +152,7 @@ class HardwareModel:
     def look(self) -> None:
         """Sample the sensors, once per tick: every look takes new noise."""
         if not self._effects:
-            self.plant.sense(*self.readings)
+            self._sense()
             return
         readings = self._now().readings
         for effect, episodes in self._asked["measure"]:

@@ -73,18 +73,20 @@ def _solve(lower, x):
 
 
 @jit
-def predict(state, q_dot_before, dt, q, q_dot):
-    """The predicted middle of a control period of dt seconds, into q and q_dot (num_envs, dof).
+def predict(state, before, dt, q, q_dot, first):
+    """The predicted middle of a control period of dt seconds, into q and q_dot (n, dof).
 
-    q_middle = q + q' dt/2, q'_middle = q' + (q' - q'_before)/2; q_dot_before becomes the present q'.
+    q_middle = q + q' dt/2, q'_middle = q' + (q' - q'_before)/2, for the n environments from `first` on; `before`, the
+    state a period ago, becomes the present one.
     """
-    num_envs, dof = q.shape
-    for i in range(num_envs):
+    n, dof = q.shape
+    for i in range(n):
         for j in range(dof):
-            rate = state[1, i, j]
-            q[i, j] = state[0, i, j] + (0.5 * dt) * rate
-            q_dot[i, j] = 1.5 * rate - 0.5 * q_dot_before[i, j]
-            q_dot_before[i, j] = rate
+            rate = state[1, first + i, j]
+            q[i, j] = state[0, first + i, j] + (0.5 * dt) * rate
+            q_dot[i, j] = 1.5 * rate - 0.5 * before[1, first + i, j]
+            for row in range(len(state)):
+                before[row, first + i, j] = state[row, first + i, j]
 
 
 @jit
@@ -99,9 +101,9 @@ def sense(state, joints, theta, theta_dot, tau_j):
 
 
 @jit
-def _begin(start, end, h, state, links, inertia, layout, joints, held, z, damped, lower):
+def _begin(start, end, first, h, state, links, layout, joints, tau_ext, held, z, damped, lower):
     """What is held over a period for the environments from `start` to `end`, and the states of their friction."""
-    tau_ext, bias, passive, link_damping, damping = links
+    bias, passive, inertia, link_damping, damping = links
     load, damper, half = held[0], held[1], held[2]
     dof = len(lower)
     added = np.empty(dof)
@@ -109,14 +111,14 @@ def _begin(start, end, h, state, links, inertia, layout, joints, held, z, damped
         damped[i - start] = False
         for j in range(dof):
             m = (i - start) * dof + j
-            load[m] = tau_ext[i, j] - (bias[i, j] - passive[i, j])
+            load[m] = tau_ext[i, j] - (bias[i - first, j] - passive[i - first, j])
             damper[m] = link_damping[i, j] + damping[j]
             half[m] = 0.5 * h / joints[i, j, 2]
             added[j] = 0.5 * h * (joints[i, j, 1] + damper[m])
             damped[i - start] = damped[i - start] or joints[i, j, 1] > 0.0
             for k in range(z.shape[1]):
                 z[m, k] = state[4 + k, i, j]
-        if not _factorise(inertia[i], layout[0], layout[1], layout[2], added, lower[:, :, i - start]):
+        if not _factorise(inertia[i - first], layout[0], layout[1], layout[2], added, lower[:, :, i - start]):
             # M is positive definite for every finite pose: the state is lost, and says so.
             state[:, i, :] = np.nan
             lower[:, :, i - start] = np.nan
@@ -159,18 +161,17 @@ def kernel(respond, step, states, memory):
             w[j] = 2.0 * w_mid[j] - w[j]
 
     @njit(error_model="numpy", nogil=True)
-    def advance(state, tau_m, links, inertia, layout, joints, friction, h, steps, tau_f, first, last):
+    def advance(state, links, layout, joints, friction, h, steps, tau_f, first, last, tau_m, tau_ext):
         """Advance the environments from `first` to `last` by `steps` micro-steps of h seconds, in place.
 
         Blocks of environments go together, joint after joint, which keeps the processor's units busy.
 
         Args:
             state: (4 + states, num_envs, dof), rows as in MOTION, then the law's states.
-            tau_m: motor torque, held, (num_envs, dof).
-            links: (tau_ext, bias, passive, link_damping, damping), held: tau_ext - (bias - passive) acts on the links
-                beside the springs, (num_envs, dof) each; both dampings are of dampers between the links and the world,
-                (num_envs, dof) and (dof,).
-            inertia: M of each environment as MuJoCo's sparse lower triangle, held, (num_envs, nonzeros).
+            links: (bias, passive, inertia, link_damping, damping), held: tau_ext - (bias - passive) acts on the links
+                beside the springs; these two, (last - first, dof) each, and M as MuJoCo's sparse lower triangle, (last
+                - first, nonzeros), are of the environments to be advanced alone; both dampings are of dampers between
+                the links and the world, (num_envs, dof) and (dof,).
             layout: (row_nonzeros, row_start, columns) of that triangle.
             joints: motors and springs, (num_envs, dof, 3), columns as in fo_gym.parameters.JOINT.
             friction: the law's parameters, (num_envs, dof), of its dtype.
@@ -178,6 +179,7 @@ def kernel(respond, step, states, memory):
             steps: micro-steps.
             tau_f: out, mean friction torque over the whole period, (num_envs, dof).
             first, last: of the environments; `last` is not among them.
+            tau_m, tau_ext: of the motors, and from outside, held, (num_envs, dof) each.
         """
         num_envs, dof = tau_m.shape
         size, most = num_envs * dof, min(last - first, max(1, _BLOCK // dof))
@@ -190,7 +192,7 @@ def kernel(respond, step, states, memory):
         parameters, frictions = joints.reshape((size, 3)), friction.reshape(size)
         for start in range(first, last, most):
             end = min(start + most, last)
-            _begin(start, end, h, state, links, inertia, layout, joints, held, z, damped, lower)
+            _begin(start, end, first, h, state, links, layout, joints, tau_ext, held, z, damped, lower)
             a, b = start * dof, end * dof
             q, w, theta, v = moving[0, a:b], moving[1, a:b], moving[2, a:b], moving[3, a:b]
             drive, joint, rubs, total = drives[a:b], parameters[a:b], frictions[a:b], sums[a:b]

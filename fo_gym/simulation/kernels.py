@@ -24,7 +24,7 @@ __all__ = ["INSIDE", "LOST", "OUTSIDE", "close", "pull", "settle", "torques"]
 
 
 @jit
-def torques(ticks, dt, push_time, push_duration, push_torque, tau_c, action, limit, compensates, acting):
+def torques(ticks, dt, push_time, push_duration, push_torque, tau_c, limit, compensates, acting, action):
     """Torques that are held over the coming control period.
 
     Args:
@@ -33,9 +33,10 @@ def torques(ticks, dt, push_time, push_duration, push_torque, tau_c, action, lim
         push_time, push_duration: start and length of each environment's sin^2 push [s], (num_envs,); 0 long = none.
         push_torque: its peak, (num_envs, dof).
         tau_c: control torque, (num_envs, dof).
-        action: tau_f_hat or tau_m, (num_envs, dof), clipped to +-limit (dof,).
+        limit: of the motors' torque, (dof,).
         compensates: whether the action is tau_f_hat.
         acting: out, rows TAU_M, TAU_EXT and TAU_F_HAT, zeros where the action is tau_m; (5, num_envs, dof), N or N m.
+        action: tau_f_hat or tau_m, (num_envs, dof), clipped to +-limit.
     """
     num_envs, dof = tau_c.shape
     for i in range(num_envs):
@@ -137,7 +138,7 @@ def _whereabouts(state, low, high, where):
 
 @jit
 def settle(
-    ticks, dt, time, tau_c, tau_j, nominal, acting, tau_f, motor_torque, tick, decimation, past, state, box, where
+    ticks, dt, time, tau_c, tau_j, nominal, acting, tau_f, motor_torque, decimation, past, state, box, where, tick
 ):
     """What is left to do when the joints have moved: nominal motors, means, and the clocks; returns as `_whereabouts`.
 
@@ -147,8 +148,10 @@ def settle(
         time: out, of each environment, (num_envs, 1) [s].
         tau_c, tau_j: control torque and measured torque at the start of the period, (num_envs, dof).
         nominal: (theta_n, theta_n_dot, motor_inertia), see NominalMotor; the first two in place.
-        acting, tau_f, motor_torque, tick, decimation, past: see `_add_acted`.
+        acting, tau_f, motor_torque, past: see `_add_acted`.
+        decimation: control periods of a step.
         state, box, where: see `_whereabouts`; the box is (low, high).
+        tick: number of the period in its step.
     """
     everyone = _whereabouts(state, box[0], box[1], where)
     move_nominal(nominal[0], nominal[1], tau_c, tau_j, nominal[2], dt)
@@ -160,7 +163,7 @@ def settle(
 
 
 @jit
-def close(tau_m, previous, limit, distance, ticks, last_tick, terminated, reward, truncated):
+def close(tau_m, previous, limit, ticks, last_tick, distance, terminated, reward, truncated):
     """The end of a step, (num_envs,) each: reward = closeness (1 - ROUGHNESS_WEIGHT roughness), and whose time is over.
 
     closeness = 1 / (1 + distance); roughness is the mean change of tau_m over joints as a share of the
@@ -169,8 +172,8 @@ def close(tau_m, previous, limit, distance, ticks, last_tick, terminated, reward
     Args:
         tau_m, previous: motor torque of this and of the last step, (num_envs, dof); the second becomes the first.
         limit: torque limits, (dof,).
-        distance: from the reference, in units of the one of half closeness.
         ticks, last_tick: where each environment is, and where its episode ends.
+        distance: from the reference, in units of the one of half closeness.
         terminated: whose episode has ended before.
         reward, truncated: out.
     """

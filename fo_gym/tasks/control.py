@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.binding import Binds
 from fo_gym.compiling import jit
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.tasks.scenario import Scenario
@@ -18,10 +19,10 @@ Array = NDArray[np.float64]
 Ids = NDArray[np.intp]
 Ticks = NDArray[np.int64]
 
-__all__ = ["PathStatics", "TaskControl", "Ticks", "believed", "joint_distance"]
+__all__ = ["PathStatics", "TaskControl", "Ticks", "believed", "joint_distance", "path_statics"]
 
 
-class TaskControl(ABC):
+class TaskControl(Binds, ABC):
     """Reference and controller of a batch of episodes; derive from it.
 
     It remembers nothing between two ticks but what `reset` gave it, since `follow` is asked about other motors, too.
@@ -84,15 +85,9 @@ def believed(scenarios: Sequence[Scenario]) -> tuple[Array, Array]:
     return mass, np.array([scenario.believed.stiffness for scenario in scenarios])
 
 
-def joint_distance(plant: FlexibleJointPlant, theta_d: Array, scale: Array) -> Array:
-    """Root mean square of (theta - theta_d) / scale over the joints, (num_envs,)."""
-    distance = np.empty(len(theta_d))
-    _distance(plant.theta, theta_d, scale, distance)
-    return distance
-
-
 @jit
-def _distance(theta, theta_d, scale, distance):
+def joint_distance(theta, theta_d, scale, distance):
+    """Root mean square of (theta - theta_d) / scale over the joints, into distance (num_envs,)."""
     num_envs, dof = theta.shape
     for i in range(num_envs):
         squares = 0.0
@@ -113,29 +108,36 @@ class PathStatics:
         row: of the table, at the current ticks, (num_envs,).
         mass, stiffness: see `believed`, (num_envs,) and (num_envs, dof).
         gravity: g(q_d) with the masses of each episode, (num_envs, dof), N | N m.
+        compiled: what `path_statics` knows it by.
     """
 
     def __init__(self, plant: FlexibleJointPlant, q_d: Array) -> None:
         springs = plant.body.links.gravity(q_d, 0.0)
-        self._table = np.ascontiguousarray(q_d), springs, plant.body.links.gravity(q_d) - springs
+        table = np.ascontiguousarray(q_d), springs, plant.body.links.gravity(q_d) - springs
         self.mass = np.ones(plant.num_envs)
         self.stiffness = plant.stiffness.copy()
         self.row = np.zeros(plant.num_envs, dtype=np.int64)
         self.gravity = np.zeros((plant.num_envs, plant.dof))
+        self.compiled = *table, self.mass, self.stiffness, self.row, self.gravity
 
     def reset(self, ids: Ids, scenarios: Sequence[Scenario]) -> None:
         """Take the scenarios of new episodes."""
         self.mass[ids], self.stiffness[ids] = believed(scenarios)
 
-    def update(self, ticks: Ticks, theta_d: Array) -> None:
-        """Move to these control ticks, (num_envs,), and write the desired motors, (num_envs, dof), m | rad."""
-        _statics(ticks, *self._table, self.mass, self.stiffness, self.row, self.gravity, theta_d)
-
 
 @jit
-def _statics(ticks, table_q_d, springs, weight, mass, stiffness, row, gravity, theta_d):
-    num_envs, dof = theta_d.shape
-    for i in range(num_envs):
+def path_statics(statics, ticks, theta_d, first, last):
+    """Move environments `first` to `last` to these control ticks, and write their desired motors.
+
+    Args:
+        statics: what a PathStatics is compiled as.
+        ticks: (num_envs,).
+        theta_d: out, (num_envs, dof), m | rad.
+        first, last: of the environments; `last` is not among them.
+    """
+    table_q_d, springs, weight, mass, stiffness, row, gravity = statics
+    dof = theta_d.shape[1]
+    for i in range(first, last):
         row[i] = min(ticks[i], len(table_q_d) - 1)
         for j in range(dof):
             gravity[i, j] = springs[row[i], j] + mass[i] * weight[row[i], j]

@@ -9,13 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.binding import bound
 from fo_gym.checks import FINITE, NOT_NEGATIVE, POSITIVE, Value, check_numbers, check_values
+from fo_gym.compiling import jit
 from fo_gym.control.design import designed_pd
-from fo_gym.control.motor_pd import MotorPD
+from fo_gym.control.motor_pd import MotorPD, pd_torque
 from fo_gym.parameters import PDGains, check_joints
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.robots import Robot
-from fo_gym.tasks.control import PathStatics, TaskControl, Ticks, joint_distance
+from fo_gym.tasks.control import PathStatics, TaskControl, Ticks, joint_distance, path_statics
 from fo_gym.tasks.joint_fit import fitted_sinusoids
 from fo_gym.tasks.kinematics import path_ticks
 from fo_gym.tasks.scenario import Scenario
@@ -108,13 +110,23 @@ class JointPathControl(TaskControl):
     q_d' stands for theta_d': the spring's own deflection changes slower by dg/dq / K_j.
     """
 
+    bindings = ("_follow", "_distance")
+
     def __init__(self, path: JointPath, robot: Robot, plant: FlexibleJointPlant, gains: PDGains) -> None:
         super().__init__(plant.num_envs, plant.dof)
         ticks = path_ticks(path.duration, plant.control_dt)
         offset, self._velocity = path.at(np.arange(ticks, dtype=np.float64) * plant.control_dt)
         self._q_d = robot.home + offset
+        self._plant = plant
         self._law = MotorPD(gains, robot.dof)
         self._statics = PathStatics(plant, self._q_d)
+        self.bind()
+
+    def bind(self) -> None:
+        """See TaskControl."""
+        law = self._law.kp, self._law.kd
+        self._follow = bound(_follow, self._statics.compiled, self._velocity, *law, self.theta_d)
+        self._distance = bound(joint_distance, self._plant.theta, self.theta_d)
 
     def reset(self, ids: Ids, scenarios: Sequence[Scenario]) -> None:
         """See TaskControl."""
@@ -122,16 +134,27 @@ class JointPathControl(TaskControl):
 
     def follow(self, ticks: Ticks, theta: Array, theta_dot: Array, tau_c: Array) -> None:
         """See TaskControl."""
-        self.ticks, statics = ticks, self._statics
-        statics.update(ticks, self.theta_d)
-        rate = theta_dot - self._velocity[statics.row]
-        tau_c[:] = self._law.torque(theta, rate, self.theta_d, statics.gravity)
+        self.ticks = ticks
+        self._follow(ticks, theta, theta_dot, tau_c)
 
     def distance(self, plant: FlexibleJointPlant, scale: Any) -> Array:
         """See TaskControl."""
-        return joint_distance(plant, self.theta_d, scale)
+        distance = np.empty(len(self.theta_d))
+        self._distance(scale, distance)
+        return distance
 
     def desired_links(self, i: int) -> Array:
         """See TaskControl."""
         links: Array = self._q_d[self._statics.row[i]]
         return links
+
+
+@jit
+def _follow(statics, velocity, kp, kd, theta_d, ticks, theta, theta_dot, tau_c):
+    num_envs, dof = tau_c.shape
+    path_statics(statics, ticks, theta_d, 0, num_envs)
+    row, gravity = statics[-2:]
+    for i in range(num_envs):
+        for j in range(dof):
+            rate = theta_dot[i, j] - velocity[row[i], j]
+            tau_c[i, j] = pd_torque(theta[i, j], rate, theta_d[i, j], gravity[i, j], kp[j], kd[j])

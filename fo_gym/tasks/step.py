@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.binding import bound
 from fo_gym.checks import FINITE, NOT_NEGATIVE, Value, check_values, number
 from fo_gym.compiling import jit
 from fo_gym.control.design import designed_pd
@@ -70,6 +71,8 @@ class Step:
 class StepControl(TaskControl):
     """Motor PD towards a target that jumps once: q_start before the step, the scenario's target after it."""
 
+    bindings = ("_follow", "_distance")
+
     def __init__(self, step: Step, plant: FlexibleJointPlant, gains: PDGains) -> None:
         super().__init__(plant.num_envs, plant.dof)
         self._step_tick = round(step.time / plant.control_dt)
@@ -77,6 +80,13 @@ class StepControl(TaskControl):
         self._law = MotorPD(gains, plant.dof)
         # Before and after the step.
         self._q_d, self._theta_d, self._gravity = np.zeros((3, 2, plant.num_envs, plant.dof))
+        self.bind()
+
+    def bind(self) -> None:
+        """See TaskControl."""
+        reference = self._step_tick, self._theta_d, self._gravity
+        self._follow = bound(_follow, *reference, self._law.kp, self._law.kd, self.theta_d)
+        self._distance = bound(joint_distance, self._plant.theta, self.theta_d)
 
     def reset(self, ids: Ids, scenarios: Sequence[Scenario]) -> None:
         """See TaskControl."""
@@ -89,13 +99,14 @@ class StepControl(TaskControl):
 
     def follow(self, ticks: Ticks, theta: Array, theta_dot: Array, tau_c: Array) -> None:
         """See TaskControl."""
-        self.ticks, law = ticks, self._law
-        reference = self._step_tick, self._theta_d, self._gravity
-        _follow(ticks, *reference, theta, theta_dot, law.kp, law.kd, self.theta_d, tau_c)
+        self.ticks = ticks
+        self._follow(ticks, theta, theta_dot, tau_c)
 
     def distance(self, plant: FlexibleJointPlant, scale: Any) -> Array:
         """See TaskControl."""
-        return joint_distance(plant, self.theta_d, scale)
+        distance = np.empty(len(self.theta_d))
+        self._distance(scale, distance)
+        return distance
 
     def desired_links(self, i: int) -> Array:
         """See TaskControl."""
@@ -104,7 +115,7 @@ class StepControl(TaskControl):
 
 
 @jit
-def _follow(ticks, step_tick, phase_theta_d, phase_gravity, theta, theta_dot, kp, kd, theta_d, tau_c):
+def _follow(step_tick, phase_theta_d, phase_gravity, kp, kd, theta_d, ticks, theta, theta_dot, tau_c):
     num_envs, dof = tau_c.shape
     for i in range(num_envs):
         phase = 1 if ticks[i] >= step_tick else 0

@@ -10,14 +10,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.binding import bound
 from fo_gym.checks import POSITIVE, number, real_array, shown
+from fo_gym.compiling import jit
 from fo_gym.control.design import designed_impedance
-from fo_gym.control.impedance import Impedance, TaskSetpoint
+from fo_gym.control.impedance import Impedance, impedance_torques
 from fo_gym.parameters import ImpedanceGains
 from fo_gym.plant import FlexibleJointPlant
+from fo_gym.plant.screws import tool_distances
 from fo_gym.robots import LinkSide, Robot
 from fo_gym.robots.poses import tool_rows
-from fo_gym.tasks.control import PathStatics, TaskControl, Ticks
+from fo_gym.tasks.control import PathStatics, TaskControl, Ticks, path_statics
 from fo_gym.tasks.kinematics import PathTable, TimedPath, path_table
 from fo_gym.tasks.scenario import Scenario
 from fo_gym.tasks.square_fit import Direction, fitted_square
@@ -120,6 +123,8 @@ def _cached_table(
 class ToolPathControl(TaskControl):
     """Impedance along a tool path, which can be hashed: its table is kept."""
 
+    bindings = ("_follows", "_distance")
+
     def __init__(self, path: TimedPath, robot: Robot, plant: FlexibleJointPlant, gains: ImpedanceGains) -> None:
         super().__init__(plant.num_envs, robot.dof, 3)
         home = tuple(robot.home.tolist())
@@ -128,8 +133,19 @@ class ToolPathControl(TaskControl):
         held = [robot.joints.index(name) for name in robot.redundant]
         self._law = Impedance(gains, plant.body.links, held, oriented=tool_rows(robot.dof) == 6)
         self._statics = PathStatics(plant, self.table.q_d)
-        self._threads = plant.threads
+        self._plant = plant
+        self._velocity = np.empty_like(self.reference)
         self.path = self.table.position
+        self.bind()
+
+    def bind(self) -> None:
+        """See TaskControl."""
+        table, statics, links = self.table, self._statics, self._plant.body.links
+        parts = self._law.compiled, statics.compiled, (table.position, table.velocity, table.rotation, table.held)
+        places = self.theta_d, self.reference, self._velocity
+        self._follows = [bound(_follow, *parts, *places, *share) for share in self._plant.threads.shares]
+        tool = links.joints, links.world, links.reference
+        self._distance = bound(tool_distances, *tool, self._plant.q, self.reference)
 
     def reset(self, ids: Ids, scenarios: Sequence[Scenario]) -> None:
         """See TaskControl."""
@@ -137,16 +153,26 @@ class ToolPathControl(TaskControl):
 
     def follow(self, ticks: Ticks, theta: Array, theta_dot: Array, tau_c: Array) -> None:
         """See TaskControl."""
-        self.ticks, table, statics = ticks, self.table, self._statics
-        statics.update(ticks, self.theta_d)
-        table.position.take(statics.row, 0, self.reference, "clip")  # no row is out of range; "raise" would copy twice
-        setpoint = TaskSetpoint(self.reference, table.velocity.take(statics.row, 0), table.rotation, table.held)
-        known = statics.stiffness, statics.mass
-        self._threads.run(self._law.torque, theta, theta_dot, *known, setpoint, tau_c)
+        self.ticks = ticks
+        self._plant.threads.run(self._follows, ticks, theta, theta_dot, tau_c)
 
     def distance(self, plant: FlexibleJointPlant, scale: Any) -> Array:
         """See TaskControl."""
-        return plant.body.links.tool_distance(plant.q, self.reference) / scale
+        distance = np.empty(len(self.reference))
+        self._distance(distance)
+        return distance / scale
 
     def desired_links(self, i: int) -> None:
         """See TaskControl."""
+
+
+@jit
+def _follow(law, statics, table, theta_d, reference, velocity, first, last, ticks, theta, theta_dot, tau_c):
+    path_statics(statics, ticks, theta_d, first, last)
+    position_d, velocity_d, rotation_d, held = table
+    mass, stiffness, row, _ = statics[3:]
+    for i in range(first, last):
+        for axis in range(3):
+            reference[i, axis], velocity[i, axis] = position_d[row[i], axis], velocity_d[row[i], axis]
+    setpoint = reference, velocity, rotation_d, held
+    impedance_torques(law, stiffness, mass, theta, theta_dot, setpoint, tau_c, first, last)
