@@ -61,10 +61,10 @@ class Threads:
                 does, and MuJoCo.
             arguments: the same for all.
         """
-        mine, *others = works
-        if not others:
-            mine(*arguments)
+        if len(works) == 1:
+            works[0](*arguments)
             return
+        mine, *others = works
         tasks = [_pool(len(others)).submit(work, *arguments) for work in others]
         try:
             mine(*arguments)

@@ -73,14 +73,15 @@ def _solve(lower, x):
 
 
 @jit
-def predict(state, before, dt, q, q_dot, first):
+def predict(state, before, ticks, dt, q, q_dot, first):
     """The predicted middle of a control period of dt seconds, into q and q_dot (n, dof).
 
     q_middle = q + q' dt/2, q'_middle = q' + (q' - q'_before)/2, for the n environments from `first` on; `before`, the
-    state a period ago, becomes the present one.
+    state a period ago, becomes the present one, and `ticks` (num_envs,) count the period.
     """
     n, dof = q.shape
     for i in range(n):
+        ticks[first + i] += 1
         for j in range(dof):
             rate = state[1, first + i, j]
             q[i, j] = state[0, first + i, j] + (0.5 * dt) * rate

@@ -114,7 +114,7 @@ class FlexibleJointPlant(Binds):
     def _advance_of(self, share: Share) -> Callable[[Array, Array], None]:
         """What `advance` is for some of the environments."""
         body, place = self.body, (share.first, share.last)
-        look_ahead = bound(predict, self._state, self._before, self.control_dt, *share.inputs, share.first)
+        look_ahead = bound(predict, self._state, self._before, self._ticks, self.control_dt, *share.inputs, share.first)
         links = (*share.outputs, self.link_damping, body.damping), body.layout
         parameters = self._joints, self._friction, self.physics_dt, self.steps
         move = bound(kernel_of(self._law), self._state, *links, *parameters, self.tau_f, *place)
@@ -235,7 +235,6 @@ class FlexibleJointPlant(Binds):
     def advance(self, tau_m: Array, tau_ext: Array) -> None:
         """`step` for torques that are known to be contiguous arrays of float64 of the right shape."""
         self.threads.run(self._advances, tau_m, tau_ext)
-        self._ticks += 1
 
     @property
     def finite(self) -> NDArray[np.bool_]:

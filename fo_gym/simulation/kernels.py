@@ -20,7 +20,7 @@ TAU_M, TAU_EXT, TAU_F, TAU_DIST, TAU_F_HAT = range(5)
 ROUGHNESS_WEIGHT = 0.1
 """Share of the reward that a rough motor torque costs at most."""
 
-__all__ = ["INSIDE", "LOST", "OUTSIDE", "close", "pull", "settle", "torques"]
+__all__ = ["INSIDE", "LOST", "OUTSIDE", "close", "pull", "record", "settle", "torques"]
 
 
 @jit
@@ -160,6 +160,16 @@ def settle(
         ticks[i] += 1
         time[i, 0] = ticks[i] * dt
     return everyone
+
+
+@jit
+def record(motion, past, whole):
+    """Write what moves, (rows, num_envs, dof), and below it what acted in the past step into `whole`."""
+    rows, num_envs, dof = motion.shape
+    for row in range(len(whole)):
+        for i in range(num_envs):
+            for j in range(dof):
+                whole[row, i, j] = motion[row, i, j] if row < rows else past[row - rows, i, j]
 
 
 @jit
