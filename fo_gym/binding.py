@@ -8,17 +8,17 @@ of a table that says where the arrays are.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterator
-from functools import cache, partial
+from collections.abc import Iterator
+from functools import cache, cached_property, partial
 from itertools import count
 from typing import Any, ClassVar
 
 import numpy as np
-from numba import njit, types, typeof
+from numba import njit, typeof, types
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
 
-from fo_gym.compiling import kept
+from fo_gym.compiling import content, kept
 
 __all__ = ["Binds", "Bound", "bound"]
 
@@ -32,8 +32,18 @@ class Bound(partial[Any]):
 
     held: tuple[Any, ...]
 
+    @cached_property
+    def address(self) -> int:
+        """Of a C function that does the same, given the address of the table, `args[0]`; no argument may be left."""
+        entry: Any = self.func
+        entry.compile((types.int64,))
+        made = entry.overloads[types.int64,]
+        return int(made.library.get_pointer_to_function(made.fndesc.llvm_cfunc_wrapper_name))
+
     def __reduce__(self) -> Any:
-        raise TypeError("a bound function knows where its arrays are in this process; name it among its owner's bindings, see Binds")
+        raise TypeError(
+            "a bound function knows where its arrays are in this process; name it among its owner's bindings, see Binds"
+        )
 
 
 class Binds:
@@ -68,7 +78,8 @@ def bound(function: Any, *arguments: Any) -> Bound:
         arguments: the first ones; at most four are left for the calls.
     """
     table = np.array(list(_words(arguments)), dtype=np.int64)
-    call = Bound(_entry(function, typeof(arguments)), table.ctypes.data)
+    kinds = typeof(arguments)  # type: ignore[no-untyped-call]
+    call = Bound(_entry(function, kinds), table.ctypes.data)
     call.held = *arguments, table
     return call
 
@@ -86,7 +97,7 @@ def _words(value: Any) -> Iterator[int]:
 
 
 @cache
-def _entry(function: Any, kinds: types.BaseTuple) -> Callable[..., Any]:
+def _entry(function: Any, kinds: Any) -> Any:
     """The compiled function that finds its first arguments, of these types, by a table."""
     opened = _opened(kinds)
 
@@ -94,35 +105,38 @@ def _entry(function: Any, kinds: types.BaseTuple) -> Callable[..., Any]:
         return function(*opened(table))
 
     def one(table, a):  # type: ignore[no-untyped-def]
-        return function(*(opened(table) + (a,)))
+        return function(*opened(table), a)
 
     def two(table, a, b):  # type: ignore[no-untyped-def]
-        return function(*(opened(table) + (a, b)))
+        return function(*opened(table), a, b)
 
     def three(table, a, b, c):  # type: ignore[no-untyped-def]
-        return function(*(opened(table) + (a, b, c)))
+        return function(*opened(table), a, b, c)
 
     def four(table, a, b, c, d):  # type: ignore[no-untyped-def]
-        return function(*(opened(table) + (a, b, c, d)))
+        return function(*opened(table), a, b, c, d)
 
     plain = function.py_func
-    free = plain.__code__.co_argcount - len(kinds)
-    made = njit(error_model="numpy", nogil=True)((none, one, two, three, four)[free])
+    entry = (none, one, two, three, four)[plain.__code__.co_argcount - len(kinds)]
     stamp = hashlib.sha256(f"{plain.__module__} {function.kept_as} {kinds}".encode()).hexdigest()[:12]
-    return kept(made, f"{plain.__name__}-{stamp}")
+    entry.__qualname__ = f"{plain.__name__}_{stamp}"
+    made = kept(njit(error_model="numpy", nogil=True)(entry), "bound")
+    entry.__qualname__ += f"_{content(made)}"  # it is linked by name, and may be another one in another process
+    return made
 
 
-def _opened(kinds: types.BaseTuple) -> Any:
+def _opened(kinds: Any) -> Any:
     """What a compiled function calls to get the values of these types from the table at an address."""
 
     def read(context: Any, builder: Any, words: Iterator[Any], kind: Any) -> Any:
+        parts: Any = kind
         if isinstance(kind, types.BaseTuple):
-            return context.make_tuple(builder, kind, [read(context, builder, words, each) for each in kind])
+            return context.make_tuple(builder, kind, [read(context, builder, words, each) for each in parts])
         word = next(words)
         if isinstance(kind, types.Array):
             item = context.get_data_type(kind.dtype)
-            array = make_array(kind)(context, builder)
-            populate_array(
+            array = make_array(kind)(context, builder)  # type: ignore[no-untyped-call]
+            populate_array(  # type: ignore[no-untyped-call]
                 array,
                 data=builder.inttoptr(word, item.as_pointer()),
                 shape=[next(words) for _ in range(kind.ndim)],

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor, wait
 from functools import cache
 from itertools import pairwise
 from typing import Any
 
 from fo_gym.checks import shown, whole_number
+from fo_gym.crew import Crew
 
 VARIABLE = "FO_GYM_NUM_THREADS"
 """Environment variable that says how many threads a batch has that is not told."""
@@ -17,7 +17,7 @@ VARIABLE = "FO_GYM_NUM_THREADS"
 MAX_THREADS = 256
 
 _LEAST_WORK = 256
-"""Joints of a thread, and two more for every environment: it takes tens of microseconds to wake it."""
+"""Joints of a thread, and two more for every environment: less is done sooner than a thread wakes."""
 
 __all__ = ["MAX_THREADS", "VARIABLE", "Threads", "number_of_threads"]
 
@@ -53,32 +53,23 @@ class Threads:
         self.count = max(1, min(wanted, num_envs * (dof + 2) // _LEAST_WORK))
         self.shares = list(pairwise(num_envs * share // self.count for share in range(self.count + 1)))
 
-    def run(self, works: Sequence[Callable[..., object]], *arguments: Any) -> None:
-        """Call every thread's work with these arguments, and wait for all of them.
+    def run(self, works: Sequence[Callable[[], object]]) -> None:
+        """Call every thread's work, or the only one, and wait for all of them; see `fo_gym.crew`.
 
-        Args:
-            works: one for each share; they release Python's lock while they work, as what Numba compiled with `nogil`
-                does, and MuJoCo.
-            arguments: the same for all.
+        Raises:
+            BaseException: what one of them raised.
         """
-        if len(works) == 1:
-            works[0](*arguments)
-            return
-        mine, *others = works
-        tasks = [_pool(len(others)).submit(work, *arguments) for work in others]
-        try:
-            mine(*arguments)
-        finally:
-            wait(tasks)
-        for task in tasks:
-            task.result()
+        if self.count == 1:
+            works[0]()
+        else:
+            _crew(self.count - 1).run(works)
 
 
 @cache
-def _pool(helpers: int) -> ThreadPoolExecutor:
+def _crew(helpers: int) -> Crew:
     """The threads beside this one; batches with as many of them, which are stepped in turn, share them."""
-    return ThreadPoolExecutor(helpers, thread_name_prefix="fo-gym")
+    return Crew(helpers)
 
 
 if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_pool.cache_clear)  # a forked process has none of its parent's threads
+    os.register_at_fork(after_in_child=_crew.cache_clear)  # a forked process has none of its parent's threads

@@ -78,10 +78,11 @@ class Account:
         self.lowest[ids] = self.stored()[ids]
         self.turned_over[ids] = 0.0
 
-    def advance(self, tau_m: np.ndarray, tau_ext: np.ndarray) -> None:
+    def advance(self) -> None:
         """The plant's `advance`, with its torques' work."""
         q, theta = self.plant.q.copy(), self.plant.theta.copy()
-        self._advance(tau_m, tau_ext)
+        self._advance()
+        tau_m, tau_ext = self.plant.tau_m + self.plant.motor_torque, self.plant.tau_ext
         work = np.concatenate([tau_m * (self.plant.theta - theta), tau_ext * (self.plant.q - q)], axis=1)
         self.put_in += work.sum(axis=1)
         self.turned_over += np.abs(work).sum(axis=1)

@@ -117,8 +117,8 @@ def advance_batch(batch: dict[str, np.ndarray], h: float = H) -> tuple[np.ndarra
     nothing = np.zeros_like(tau_f)
     links = (nothing, nothing, batch["inertia"], batch["damping"], nothing[0]), full_triangle(tau_f.shape[1])
     parameters = batch["joints"], batch["friction"], h, round(1e-2 / h)
-    torques = batch["tau_m"], batch["tau_ext"]
-    kernel_of(LuGre(**PAPER))(state, *links, *parameters, tau_f, 0, len(tau_f), *torques)
+    torques = batch["tau_m"], nothing, batch["tau_ext"]
+    kernel_of(LuGre(**PAPER))(state, torques, *links, *parameters, tau_f, 0, len(tau_f))
     return state, tau_f
 
 

@@ -38,7 +38,7 @@ def checked_action(
 
 @jit
 def _all_finite(values):
+    finite = True
     for value in values.flat:
-        if not math.isfinite(value):
-            return False
-    return True
+        finite = finite and math.isfinite(value)
+    return finite

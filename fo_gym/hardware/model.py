@@ -61,7 +61,6 @@ class HardwareModel(Binds):
     Attributes:
         readings: of the sensors at the last look.
         motor_inertia: B as controller, nominal motor and compensator know it, (num_envs, dof).
-        motor_torque: what gears and effects added to the motors' torque in the last control period, (num_envs, dof).
 
     Raises:
         ValueError: an effect has values for another number of joints, a hook of it gives something else than it is
@@ -100,7 +99,6 @@ class HardwareModel(Binds):
         self._asked = {hook: [pair for pair in self._effects if pair[0].overrides(hook)] for hook in _HOOKS}
         if not disturbed:
             self._asked |= {hook: [] for hook in _DISTURBING}
-        self.motor_torque = np.zeros((plant.num_envs, plant.dof))
         self.bind()
 
     def bind(self) -> None:
@@ -171,16 +169,15 @@ class HardwareModel(Binds):
                 given = effect.command(given, episodes)
             tau_m[:] = given
 
-    def step(self, tau_m: Array, tau_ext: Array) -> None:
-        """Advance one control period under the motors' torque and the push, with what gears and bearings add."""
+    def step(self) -> None:
+        """Advance one control period under the torques that the plant has, with what gears and bearings add."""
         if self._asked["friction"]:
             self.plant.vary_friction(*self.friction_change)
         if self._asked["link_damping"]:
             self.plant.link_damping[:] = sum(effect.link_damping(each) for effect, each in self._asked["link_damping"])
         if self._asked["motor_torque"]:
-            self.motor_torque[:] = sum(effect.motor_torque(each) for effect, each in self._asked["motor_torque"])
-            tau_m = tau_m + self.motor_torque
-        self.plant.advance(tau_m, tau_ext)
+            self.plant.motor_torque[:] = sum(effect.motor_torque(each) for effect, each in self._asked["motor_torque"])
+        self.plant.advance()
 
     def _imperfect(self) -> dict[str, Array]:
         """The readings, by signal, where an effect has made them: they cannot be had again from the truth."""

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +13,7 @@ from fo_gym.micro_steps import PhysicsDt, StepAdvice, advise_steps, auto_steps, 
 from fo_gym.parameters import JOINT, FlexibleJoint, check_joints, packed
 from fo_gym.plant.kernel import MOTION, predict, sense
 from fo_gym.plant.kernels import kernel_of
-from fo_gym.plant.rigid_body import RigidBody, Share
+from fo_gym.plant.rigid_body import RigidBody
 from fo_gym.plant.state import PlantState
 from fo_gym.plant.twin import twin_data, twin_model
 from fo_gym.robots import LinkSide
@@ -54,7 +51,7 @@ class FlexibleJointPlant(Binds):
         ValueError: a parameter is out of range, or the micro-step is too long for a joint, or too short.
     """
 
-    bindings = ("_advances",)
+    bindings = ("_predicts", "_moves")
 
     def __init__(
         self,
@@ -88,6 +85,9 @@ class FlexibleJointPlant(Binds):
         """Mean friction torque over the past control period, (num_envs, dof), N or N m."""
         self.link_damping = np.zeros(shape)
         """Of dampers at the links beside the file's from now on, (num_envs, dof), N s/m or N m s/rad, to be set."""
+        self.motor_torque = np.zeros(shape)
+        """What disturbs the motors beside friction from now on, likewise, N or N m, to be set."""
+        self.tau_m, self.tau_ext = np.zeros((2, *shape))  # in the coming period, likewise, to be set
         home = np.broadcast_to(self.body.model.qpos0, shape)
         everyone = np.arange(num_envs)
         self._name_parts()
@@ -101,7 +101,7 @@ class FlexibleJointPlant(Binds):
         self.reset(everyone, home)
 
     def _name_parts(self) -> None:
-        self.q, self.q_dot, self.theta, self.theta_dot = self._state[: len(MOTION)]
+        self.q, self.q_dot, self.theta, self.theta_dot, *_ = self._state
         states = self._state[len(MOTION) :]
         self.z = states[0] if len(states) == 1 else np.moveaxis(states, 0, -1)
         self._q_dot_before = self._before[MOTION.index("q_dot")]
@@ -109,22 +109,13 @@ class FlexibleJointPlant(Binds):
     def bind(self) -> None:
         """See Binds."""
         self._name_parts()
-        self._advances = [self._advance_of(share) for share in self.body.shares]
-
-    def _advance_of(self, share: Share) -> Callable[[Array, Array], None]:
-        """What `advance` is for some of the environments."""
-        body, place = self.body, (share.first, share.last)
-        look_ahead = bound(predict, self._state, self._before, self._ticks, self.control_dt, *share.inputs, share.first)
-        links = (*share.outputs, self.link_damping, body.damping), body.layout
-        parameters = self._joints, self._friction, self.physics_dt, self.steps
-        move = bound(kernel_of(self._law), self._state, *links, *parameters, self.tau_f, *place)
-
-        def advance(tau_m: Array, tau_ext: Array) -> None:
-            look_ahead()
-            share.forward()
-            move(tau_m, tau_ext)
-
-        return advance
+        body, kernel, torques = self.body, kernel_of(self._law), (self.tau_m, self.motor_torque, self.tau_ext)
+        parameters = body.layout, self._joints, self._friction, self.physics_dt, self.steps, self.tau_f
+        before, self._predicts, self._moves = (self._before, self._ticks, self.control_dt), [], []
+        for share in body.shares:
+            links, place = (*share.outputs, self.link_damping, body.damping), (share.first, share.last)
+            self._predicts.append(bound(predict, self._state, *before, *share.inputs, *place))
+            self._moves.append(bound(kernel, self._state, torques, links, *parameters, *place))
 
     @property
     def time(self) -> Array:
@@ -218,23 +209,29 @@ class FlexibleJointPlant(Binds):
         """What writes into these three arrays, (num_envs, dof) each, what perfect sensors measure when it is called."""
         return bound(sense, self._state, self._joints, theta, theta_dot, tau_j)
 
+    def take(self, tau_m: Array, tau_ext: Array) -> None:
+        """Have these arrays, (num_envs, dof) of float64 each, for `tau_m` and `tau_ext` from now on."""
+        self.tau_m, self.tau_ext = tau_m, tau_ext
+        self.bind()
+
     def step(self, tau_m: Array, tau_ext: Array) -> None:
         """Advance one control period with motor and external torques held, (num_envs, dof) each, N or N m.
 
         Raises:
             ValueError: a torque has another shape, or does not hold real numbers.
         """
-        # The kernel is compiled for arrays that lie row by row.
-        tau_m = np.require(real("tau_m", tau_m), requirements=["C", "W"])
-        tau_ext = np.require(real("tau_ext", tau_ext), requirements=["C", "W"])
-        for name, torque in (("tau_m", tau_m), ("tau_ext", tau_ext)):
+        torques = {"tau_m": real("tau_m", tau_m), "tau_ext": real("tau_ext", tau_ext)}
+        for name, torque in torques.items():
             if torque.shape != self.q.shape:
                 raise ValueError(f"{name} has shape {torque.shape}; this plant needs {self.q.shape}")
-        self.advance(tau_m, tau_ext)
+        self.tau_m[:], self.tau_ext[:] = torques["tau_m"], torques["tau_ext"]
+        self.advance()
 
-    def advance(self, tau_m: Array, tau_ext: Array) -> None:
-        """`step` for torques that are known to be contiguous arrays of float64 of the right shape."""
-        self.threads.run(self._advances, tau_m, tau_ext)
+    def advance(self) -> None:
+        """Advance one control period with `tau_m` and `tau_ext` held."""
+        self.threads.run(self._predicts)
+        self.threads.run(self.body.forwards)
+        self.threads.run(self._moves)
 
     @property
     def finite(self) -> NDArray[np.bool_]:

@@ -69,6 +69,7 @@ class RigidBody:
         layout: (row_nonzeros, row_start, columns) of the sparse lower triangle in which `dynamics` gives M.
         mass_scale: factor on the masses of each environment, (num_envs,).
         shares: those of the threads.
+        forwards: what they do, to be called.
     """
 
     def __init__(self, link_side: LinkSide, num_envs: int, shares: Sequence[tuple[int, int]] | None = None) -> None:
@@ -83,11 +84,12 @@ class RigidBody:
     def _make_shares(self, shares: Sequence[tuple[int, int]]) -> None:
         self.layout = self.model.M_rownnz, self.model.M_rowadr, self.model.M_colind
         self.shares = [Share(self.model, first, last) for first, last in shares]
+        self.forwards = [share.forward for share in self.shares]
         self.scale_mass(self.mass_scale)
 
     def __getstate__(self) -> dict[str, Any]:
         # A Batch cannot be pickled; it is rebuilt from what defines it.
-        kept = {name: value for name, value in self.__dict__.items() if name not in ("layout", "shares")}
+        kept = {name: value for name, value in self.__dict__.items() if name not in ("layout", "forwards", "shares")}
         return {**kept, "shares": [(share.first, share.last) for share in self.shares]}
 
     def __setstate__(self, state: dict[str, Any]) -> None:

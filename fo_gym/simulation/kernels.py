@@ -52,7 +52,7 @@ def torques(ticks, dt, push_time, push_duration, push_torque, tau_c, limit, comp
 
 
 @jit
-def _add_acted(acting, tau_f, motor_torque, tick, ticks, where, past):
+def _add_acted(acting, tau_f, motor_torque, tick, ticks, where, past, first, last):
     """Add what acted in a control period to the means over a step, all (5, num_envs, dof) [N | N m].
 
     Args:
@@ -62,10 +62,10 @@ def _add_acted(acting, tau_f, motor_torque, tick, ticks, where, past):
         tick, ticks: number of the period in its step, and how many there are.
         where: of whoever is LOST friction is not known, and counts as 0, (num_envs,).
         past: out.
+        first, last: of the environments; `last` is not among them.
     """
-    num_envs, dof = tau_f.shape
-    for i in range(num_envs):
-        for j in range(dof):
+    for i in range(first, last):
+        for j in range(tau_f.shape[1]):
             acting[TAU_F, i, j] = tau_f[i, j] if where[i] != LOST else 0.0
             acting[TAU_DIST, i, j] = acting[TAU_F, i, j] + motor_torque[i, j]
             past[TAU_F_HAT, i, j] = acting[TAU_F_HAT, i, j]
@@ -113,17 +113,18 @@ def pull(after, gone, position, jacobian, q_dot, numbers, direction, gripped_at,
 
 
 @jit
-def _whereabouts(state, low, high, where):
-    """Where each environment is, into `where` (num_envs,): INSIDE, OUTSIDE or LOST; returns whether all are inside.
+def _whereabouts(state, low, high, where, first, last):
+    """Where the environments are, into `where` (num_envs,): INSIDE, OUTSIDE or LOST; returns how many are not inside.
 
     Args:
         state: the plant's (rows, num_envs, dof); row 0 is q.
         low, high: joint range, (dof,).
         where: out.
+        first, last: of the environments; `last` is not among them.
     """
-    rows, num_envs, dof = state.shape
-    everyone = True
-    for i in range(num_envs):
+    rows, _, dof = state.shape
+    others = 0
+    for i in range(first, last):
         where[i] = INSIDE
         for j in range(dof):
             if not low[j] <= state[0, i, j] <= high[j]:
@@ -132,34 +133,35 @@ def _whereabouts(state, low, high, where):
             for j in range(dof):
                 if not math.isfinite(state[row, i, j]):
                     where[i] = LOST
-        everyone = everyone and where[i] == INSIDE
-    return everyone
+        others += where[i] != INSIDE
+    return others
 
 
 @jit
-def settle(
-    ticks, dt, time, tau_c, tau_j, nominal, acting, tau_f, motor_torque, decimation, past, state, box, where, tick
-):
-    """What is left to do when the joints have moved: nominal motors, means, and the clocks; returns as `_whereabouts`.
+def settle(clock, nominal, tau_c, tau_j, acting, disturbances, period, decimation, past, state, box, ends, first, last):
+    """What is left to do when the joints have moved: nominal motors, means, the clocks, and who is out of range.
 
     Args:
-        ticks: of each environment, (num_envs,), of which one more is over; in place.
-        dt: control period [s].
-        time: out, of each environment, (num_envs, 1) [s].
+        clock: (ticks, dt, time): control ticks of each environment, (num_envs,), of which one more is over; the control
+            period [s]; time, out, (num_envs, 1) [s].
+        nominal: (theta_n, theta_n_dot, motor_inertia), see `move_nominal`.
         tau_c, tau_j: control torque and measured torque at the start of the period, (num_envs, dof).
-        nominal: (theta_n, theta_n_dot, motor_inertia), see NominalMotor; the first two in place.
-        acting, tau_f, motor_torque, past: see `_add_acted`.
+        acting, past: see `_add_acted`.
+        disturbances: (tau_f, motor_torque), likewise.
+        period: number of the period in its step, (1,).
         decimation: control periods of a step.
-        state, box, where: see `_whereabouts`; the box is (low, high).
-        tick: number of the period in its step.
+        state, box: see `_whereabouts`; the box is (low, high).
+        ends: (where, others), out: see `_whereabouts`, whose answer is written into `others`, (1,).
+        first, last: of the environments; `last` is not among them.
     """
-    everyone = _whereabouts(state, box[0], box[1], where)
-    move_nominal(nominal[0], nominal[1], tau_c, tau_j, nominal[2], dt)
-    _add_acted(acting, tau_f, motor_torque, tick, decimation, where, past)
-    for i in range(len(ticks)):
+    ticks, dt, time = clock
+    where, others = ends
+    others[0] = _whereabouts(state, box[0], box[1], where, first, last)
+    move_nominal(nominal, tau_c, tau_j, dt, first, last)
+    _add_acted(acting, disturbances[0], disturbances[1], period[0], decimation, where, past, first, last)
+    for i in range(first, last):
         ticks[i] += 1
         time[i, 0] = ticks[i] * dt
-    return everyone
 
 
 @jit

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,7 +70,7 @@ class Simulation(Binds):
         hands: at the tools, or None.
     """
 
-    bindings = ("_torques", "_settle", "_close")
+    bindings = ("_torques", "_settles", "_close")
 
     def __init__(
         self,
@@ -115,6 +114,8 @@ class Simulation(Binds):
             self.limits.check_draws(self.task, self.robot.home)
         self._origin = Origin.of(self.robot, self.task, num_envs, settings)
         self._where = np.full(num_envs, INSIDE)
+        self._others = np.zeros(self.plant.threads.count, dtype=np.int64)  # who are not inside, of each thread's share
+        self._period = np.zeros(1, dtype=np.int64)  # of a step
         self._compensates = settings.action_mode == "compensation"
         self._pushes = Pushes(num_envs, self.dof)
         self.hands = None if self.task.hand is None else Hands(self.plant, settings.decimation)
@@ -128,14 +129,17 @@ class Simulation(Binds):
         hardware.readings = memory.readings
         hardware.bind()
         self.control.bind()
-        dt, acting, past, pushes = self.settings.control_dt, memory.acting, memory.past, self._pushes
-        pulse = pushes.time, pushes.duration, pushes.torque
+        dt, acting, past, pulse = self.settings.control_dt, memory.acting, memory.past, self._pushes
+        self.plant.take(acting[TAU_M], acting[TAU_EXT])
         command = signals.tau_c, self.torque_limit, self._compensates
-        self._torques = bound(torques, self.ticks, dt, *pulse, *command, acting)
-        nominal = signals.tau_c, signals.tau_j, (signals.theta_n, signals.theta_n_dot, hardware.motor_inertia)
-        acted = acting, self.plant.tau_f, hardware.motor_torque, self.settings.decimation, past
-        whereabouts = self.plant.motion, self._box, self._where
-        self._settle = bound(settle, self.ticks, dt, signals.time, *nominal, *acted, *whereabouts)
+        self._torques = bound(torques, self.ticks, dt, pulse.time, pulse.duration, pulse.torque, *command, acting)
+        clock, nominal = (self.ticks, dt, signals.time), (signals.theta_n, signals.theta_n_dot, hardware.motor_inertia)
+        acted = acting, (self.plant.tau_f, self.plant.motor_torque), self._period, self.settings.decimation, past
+        moved = clock, nominal, signals.tau_c, signals.tau_j, *acted, self.plant.motion, self._box
+        self._settles = [
+            bound(settle, *moved, (self._where, self._others[k : k + 1]), *share)
+            for k, share in enumerate(self.plant.threads.shares)
+        ]
         self._close = bound(close, past[TAU_M], signals.tau_m, self.torque_limit, self.ticks, self.last_tick)
 
     @property
@@ -197,14 +201,16 @@ class Simulation(Binds):
         Returns:
             reward (num_envs,); terminated; truncated; why the terminated ones ended, by environment.
         """
-        memory, hardware = self.memory, self.hardware_model
+        hardware = self.hardware_model
         reasons: dict[int, str] = {}
         if self.hands is not None:
             self.hands.force[:] = 0.0
         for number in range(self.settings.decimation):
             self._act(action)
-            hardware.step(memory.acting[TAU_M], memory.acting[TAU_EXT])
-            if not self._settle(number):
+            hardware.step()
+            self._period[0] = number
+            self.plant.threads.run(self._settles)
+            if any(self._others.tolist()):
                 self._find_ends(reasons)
             hardware.look()
             self._update_control()
@@ -216,11 +222,10 @@ class Simulation(Binds):
 
     def _act(self, action: Array) -> None:
         """The estimate that is compensated, and what motors, pushes and hands apply over the coming control period."""
-        acting = self.memory.acting
         self._torques(action)
         if self.hands is not None:
-            self.hands.act(self.ticks, acting[TAU_EXT])
-        self.hardware_model.command(acting[TAU_M])
+            self.hands.act(self.ticks, self.plant.tau_ext)
+        self.hardware_model.command(self.plant.tau_m)
 
     def _find_ends(self, reasons: dict[int, str]) -> None:
         """Note environments that left the joint range or the finite numbers; put the latter back where they were."""

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.binding import Binds
+from fo_gym.binding import Binds, Bound
 from fo_gym.compiling import jit
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.tasks.scenario import Scenario
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 Ids = NDArray[np.intp]
 Ticks = NDArray[np.int64]
 
-__all__ = ["PathStatics", "TaskControl", "Ticks", "believed", "joint_distance", "path_statics"]
+__all__ = ["CompiledControl", "PathStatics", "TaskControl", "Ticks", "believed", "joint_distance", "path_statics"]
 
 
 class TaskControl(Binds, ABC):
@@ -79,6 +79,45 @@ class TaskControl(Binds, ABC):
         """Where the links of environment i should be now, (dof,), m or rad; None where the tool's path says it."""
 
 
+class CompiledControl(TaskControl):
+    """One whose `follow` is compiled and bound to the arrays that it was given last: mostly they are the same ones."""
+
+    bindings: ClassVar[tuple[str, ...]] = ("_given", "_follows", "_scale", "_distances")
+
+    def __init__(self, plant: FlexibleJointPlant, references: int = 0) -> None:
+        super().__init__(plant.num_envs, plant.dof, references)
+        self._plant = plant
+        self._apart = np.empty(plant.num_envs)
+
+    def bind(self) -> None:
+        """See Binds."""
+        self._given: tuple[Any, ...] = (None, None, None, None)
+        self._scale: Any = None
+
+    @abstractmethod
+    def _bound_follow(self, ticks: Ticks, theta: Array, theta_dot: Array, tau_c: Array) -> list[Bound]:
+        """What `follow` calls for these arrays, one for each share of the plant's threads."""
+
+    @abstractmethod
+    def _bound_distance(self, scale: Any, distance: Array) -> list[Bound]:
+        """What `distance` calls for this scale, likewise; the result goes into `distance`."""
+
+    def follow(self, ticks: Ticks, theta: Array, theta_dot: Array, tau_c: Array) -> None:
+        """See TaskControl."""
+        given = self._given
+        if not (ticks is given[0] and theta is given[1] and theta_dot is given[2] and tau_c is given[3]):
+            self.ticks, self._given = ticks, (ticks, theta, theta_dot, tau_c)
+            self._follows = self._bound_follow(*self._given)
+        self._plant.threads.run(self._follows)
+
+    def distance(self, plant: FlexibleJointPlant, scale: Any) -> Array:
+        """See TaskControl. The array is the same one every time."""
+        if scale is not self._scale:
+            self._scale, self._distances = scale, self._bound_distance(scale, self._apart)
+        self._plant.threads.run(self._distances)
+        return self._apart
+
+
 def believed(scenarios: Sequence[Scenario]) -> tuple[Array, Array]:
     """What the controller knows: factor on the masses of the robot's file (n,), and K_j (n, dof)."""
     mass = np.array([scenario.mass_scale * scenario.believed_mass for scenario in scenarios])
@@ -86,10 +125,10 @@ def believed(scenarios: Sequence[Scenario]) -> tuple[Array, Array]:
 
 
 @jit
-def joint_distance(theta, theta_d, scale, distance):
-    """Root mean square of (theta - theta_d) / scale over the joints, into distance (num_envs,)."""
-    num_envs, dof = theta.shape
-    for i in range(num_envs):
+def joint_distance(theta, theta_d, scale, distance, first, last):
+    """Root mean square of (theta - theta_d) / scale over the joints, into distance (num_envs,), from first to last."""
+    dof = theta.shape[1]
+    for i in range(first, last):
         squares = 0.0
         for j in range(dof):
             error = (theta[i, j] - theta_d[i, j]) / scale[j]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fo_gym.binding import bound
+from fo_gym.binding import Bound, bound
 from fo_gym.checks import FINITE, NOT_NEGATIVE, POSITIVE, Value, check_numbers, check_values
 from fo_gym.compiling import jit
 from fo_gym.control.design import designed_pd
@@ -17,7 +17,7 @@ from fo_gym.control.motor_pd import MotorPD, pd_torque
 from fo_gym.parameters import PDGains, check_joints
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.robots import Robot
-from fo_gym.tasks.control import PathStatics, TaskControl, Ticks, joint_distance, path_statics
+from fo_gym.tasks.control import CompiledControl, PathStatics, joint_distance, path_statics
 from fo_gym.tasks.joint_fit import fitted_sinusoids
 from fo_gym.tasks.kinematics import path_ticks
 from fo_gym.tasks.scenario import Scenario
@@ -104,44 +104,32 @@ class JointPath:
         return self.amplitude * envelope * swing, self.amplitude * (envelope * velocity + swelling * swing)
 
 
-class JointPathControl(TaskControl):
+class JointPathControl(CompiledControl):
     """tau_c = -K_p (theta_* - theta_d) - K_d (theta_*' - q_d') + g(q_d), theta_d = q_d + K_j^-1 g(q_d).
 
     q_d' stands for theta_d': the spring's own deflection changes slower by dg/dq / K_j.
     """
 
-    bindings = ("_follow", "_distance")
-
     def __init__(self, path: JointPath, robot: Robot, plant: FlexibleJointPlant, gains: PDGains) -> None:
-        super().__init__(plant.num_envs, plant.dof)
+        super().__init__(plant)
         ticks = path_ticks(path.duration, plant.control_dt)
         offset, self._velocity = path.at(np.arange(ticks, dtype=np.float64) * plant.control_dt)
         self._q_d = robot.home + offset
-        self._plant = plant
         self._law = MotorPD(gains, robot.dof)
         self._statics = PathStatics(plant, self._q_d)
         self.bind()
 
-    def bind(self) -> None:
-        """See TaskControl."""
-        law = self._law.kp, self._law.kd
-        self._follow = bound(_follow, self._statics.compiled, self._velocity, *law, self.theta_d)
-        self._distance = bound(joint_distance, self._plant.theta, self.theta_d)
+    def _bound_follow(self, *given: Any) -> list[Bound]:
+        law = self._statics.compiled, self._velocity, self._law.kp, self._law.kd
+        return [bound(_follow, *law, self.theta_d, *given, *share) for share in self._plant.threads.shares]
+
+    def _bound_distance(self, scale: Any, distance: Array) -> list[Bound]:
+        both = self._plant.theta, self.theta_d
+        return [bound(joint_distance, *both, scale, distance, *share) for share in self._plant.threads.shares]
 
     def reset(self, ids: Ids, scenarios: Sequence[Scenario]) -> None:
         """See TaskControl."""
         self._statics.reset(ids, scenarios)
-
-    def follow(self, ticks: Ticks, theta: Array, theta_dot: Array, tau_c: Array) -> None:
-        """See TaskControl."""
-        self.ticks = ticks
-        self._follow(ticks, theta, theta_dot, tau_c)
-
-    def distance(self, plant: FlexibleJointPlant, scale: Any) -> Array:
-        """See TaskControl."""
-        distance = np.empty(len(self.theta_d))
-        self._distance(scale, distance)
-        return distance
 
     def desired_links(self, i: int) -> Array:
         """See TaskControl."""
@@ -150,11 +138,10 @@ class JointPathControl(TaskControl):
 
 
 @jit
-def _follow(statics, velocity, kp, kd, theta_d, ticks, theta, theta_dot, tau_c):
-    num_envs, dof = tau_c.shape
-    path_statics(statics, ticks, theta_d, 0, num_envs)
+def _follow(statics, velocity, kp, kd, theta_d, ticks, theta, theta_dot, tau_c, first, last):
+    path_statics(statics, ticks, theta_d, first, last)
     row, gravity = statics[-2:]
-    for i in range(num_envs):
-        for j in range(dof):
+    for i in range(first, last):
+        for j in range(theta_d.shape[1]):
             rate = theta_dot[i, j] - velocity[row[i], j]
             tau_c[i, j] = pd_torque(theta[i, j], rate, theta_d[i, j], gravity[i, j], kp[j], kd[j])
