@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -122,10 +123,8 @@ class HardwareModel(Binds):
     @property
     def friction_change(self) -> FrictionChange:
         """What the effects make of the motors' friction as the joints are at the last look, or at their start."""
-        change = FrictionChange()
-        for effect, episodes in self._asked["friction"]:
-            change = change.then(effect.friction(episodes))
-        return change
+        changes = [effect.friction(episodes) for effect, episodes in self._asked["friction"]]
+        return reduce(FrictionChange.then, changes) if changes else FrictionChange()
 
     def begin(self, ids: Ids, motor_inertia: Array, draws: Sequence[HardwareDraw | None]) -> Array:
         """Start the named environments at rest; returns their true tau_j, (n, dof).
