@@ -67,7 +67,8 @@ class Account:
     def __init__(self, simulation: Simulation) -> None:
         self.plant = simulation.plant
         self._model, size = self.plant.body.model, simulation.num_envs
-        self._position = self.plant.body._batch.bind("xipos")
+        (share,) = self.plant.body.shares
+        self._position = share._batch.bind("xipos")
         self.put_in, self.turned_over, self.lowest = np.zeros(size), np.zeros(size), np.zeros(size)
         self._advance = self.plant.advance
         self.plant.advance = self.advance  # type: ignore[method-assign]
