@@ -72,7 +72,7 @@ def _add_acted(acting, tau_f, motor_torque, tick, ticks, where, past, first, las
             for row in range(TAU_F_HAT):
                 before = past[row, i, j] if tick > 0 else 0.0
                 past[row, i, j] = before + acting[row, i, j]
-                if tick == ticks - 1:
+                if ticks > 1 and tick == ticks - 1:
                     past[row, i, j] /= ticks
 
 
