@@ -15,6 +15,7 @@ from typing import Any
 from numba import njit
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.dispatcher import Dispatcher
+from numba.core.extending import _Intrinsic
 
 _LOGGER = logging.getLogger("fo_gym")
 
@@ -64,6 +65,9 @@ def _parts(thing: Any, seen: set[int]) -> Iterator[str]:
     if isinstance(thing, Dispatcher):
         yield repr(sorted(thing.targetoptions.items(), key=str))
         thing = thing.py_func
+    if isinstance(thing, _Intrinsic):
+        yield from _of_intrinsic(thing)
+        return
     if not isinstance(thing, FunctionType):
         yield thing.__name__ if isinstance(thing, ModuleType | type) else repr(thing)
         return
@@ -79,6 +83,16 @@ def _parts(thing: Any, seen: set[int]) -> Iterator[str]:
             yield from _parts(thing.__globals__[name], seen)
             if isinstance(module := thing.__globals__[name], ModuleType):
                 yield from _of_module(module, thing.__code__.co_names, seen)
+
+
+def _of_intrinsic(thing: Any) -> Iterator[str]:
+    """What an intrinsic generates: its code, and that of the functions around it."""
+    yield from _code(thing._defn.__code__)
+    for cell in thing._defn.__closure__ or ():
+        if isinstance(cell.cell_contents, FunctionType):
+            yield from _code(cell.cell_contents.__code__)
+        else:
+            yield repr(cell.cell_contents)
 
 
 def _of_module(module: ModuleType, names: tuple[str, ...], seen: set[int]) -> Iterator[str]:
@@ -130,4 +144,5 @@ def kept(dispatcher: Any, name: str, slow: str = "") -> Callable[..., Any]:
         slow: what to call it, where it takes so long to compile that people are told.
     """
     dispatcher._cache = _ContentCache(dispatcher.py_func, name, content(dispatcher), slow)
+    dispatcher.kept_as = name
     return dispatcher

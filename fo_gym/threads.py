@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor, wait
+from collections.abc import Callable, Sequence
 from functools import cache
 from itertools import pairwise
 from typing import Any
 
 from fo_gym.checks import shown, whole_number
+from fo_gym.crew import Crew
 
 VARIABLE = "FO_GYM_NUM_THREADS"
 """Environment variable that says how many threads a batch has that is not told."""
 
 MAX_THREADS = 256
 
-_LEAST_ENVS = 32
-"""Environments of a thread of MuJoCo's: to hand out fewer takes longer than to do them."""
-
-_LEAST_JOINTS = 448
-"""Joints of a thread of ours, likewise: it takes tens of microseconds to wake it."""
+_LEAST_WORK = 256
+"""Joints of a thread, and two more for every environment: less is done sooner than a thread wakes."""
 
 __all__ = ["MAX_THREADS", "VARIABLE", "Threads", "number_of_threads"]
 
@@ -48,40 +45,31 @@ class Threads:
         wanted: threads at most; a small batch has fewer.
 
     Attributes:
-        count: threads that MuJoCo has.
-        shares: (first, last) environment of every thread of ours, this one's first.
+        count: of threads.
+        shares: (first, last) environment of every thread, this one's first.
     """
 
     def __init__(self, num_envs: int, dof: int, wanted: int) -> None:
-        self.count = max(1, min(wanted, num_envs // _LEAST_ENVS))
-        ours = max(1, min(self.count, num_envs * dof // _LEAST_JOINTS))
-        self.shares = list(pairwise(num_envs * share // ours for share in range(ours + 1)))
+        self.count = max(1, min(wanted, num_envs * (dof + 2) // _LEAST_WORK))
+        self.shares = list(pairwise(num_envs * share // self.count for share in range(self.count + 1)))
 
-    def run(self, work: Callable[..., None], *arguments: Any) -> None:
-        """Call `work(*arguments, first, last)` for every thread's share, and wait for all of them.
+    def run(self, works: Sequence[Callable[[], object]]) -> None:
+        """Call every thread's work, or the only one, and wait for all of them; see `fo_gym.crew`.
 
-        Args:
-            work: releases Python's lock while it works, as what Numba compiled with `nogil` does.
-            arguments: the same for all.
+        Raises:
+            BaseException: what one of them raised.
         """
-        mine, *others = self.shares
-        if not others:
-            work(*arguments, *mine)
-            return
-        tasks = [_pool(len(others)).submit(work, *arguments, *share) for share in others]
-        try:
-            work(*arguments, *mine)
-        finally:
-            wait(tasks)
-        for task in tasks:
-            task.result()
+        if self.count == 1:
+            works[0]()
+        else:
+            _crew(self.count - 1).run(works)
 
 
 @cache
-def _pool(helpers: int) -> ThreadPoolExecutor:
+def _crew(helpers: int) -> Crew:
     """The threads beside this one; batches with as many of them, which are stepped in turn, share them."""
-    return ThreadPoolExecutor(helpers, thread_name_prefix="fo-gym")
+    return Crew(helpers)
 
 
 if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_pool.cache_clear)  # a forked process has none of its parent's threads
+    os.register_at_fork(after_in_child=_crew.cache_clear)  # a forked process has none of its parent's threads

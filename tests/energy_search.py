@@ -67,7 +67,8 @@ class Account:
     def __init__(self, simulation: Simulation) -> None:
         self.plant = simulation.plant
         self._model, size = self.plant.body.model, simulation.num_envs
-        self._position = self.plant.body._batch.bind("xipos")
+        (share,) = self.plant.body.shares
+        self._position = share._batch.bind("xipos")
         self.put_in, self.turned_over, self.lowest = np.zeros(size), np.zeros(size), np.zeros(size)
         self._advance = self.plant.advance
         self.plant.advance = self.advance  # type: ignore[method-assign]
@@ -78,10 +79,11 @@ class Account:
         self.lowest[ids] = self.stored()[ids]
         self.turned_over[ids] = 0.0
 
-    def advance(self, tau_m: np.ndarray, tau_ext: np.ndarray) -> None:
+    def advance(self) -> None:
         """The plant's `advance`, with its torques' work."""
         q, theta = self.plant.q.copy(), self.plant.theta.copy()
-        self._advance(tau_m, tau_ext)
+        self._advance()
+        tau_m, tau_ext = self.plant.tau_m + self.plant.motor_torque, self.plant.tau_ext
         work = np.concatenate([tau_m * (self.plant.theta - theta), tau_ext * (self.plant.q - q)], axis=1)
         self.put_in += work.sum(axis=1)
         self.turned_over += np.abs(work).sum(axis=1)

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 import fo_gym
 from envs_assets import asset_path
-from fo_gym.control.impedance import Impedance, TaskSetpoint
+from fo_gym.control.impedance import Impedance, TaskSetpoint, impedance_torques
 from fo_gym.control.motor_pd import MotorPD
 from fo_gym.control.nominal_motor import NominalMotor
 from fo_gym.parameters import ImpedanceGains, PDGains
@@ -111,9 +111,8 @@ class Cases:
         law = Impedance(gains, Links(ROBOT), [ELBOW])
         setpoint = TaskSetpoint(position[rows], velocity[rows], *constant)
         tau_c = np.empty(theta.shape)
-        law.torque(
-            theta, self.theta_dot[rows], self.stiffness[rows], np.ones(len(theta)), setpoint, tau_c, 0, len(theta)
-        )
+        known, motor = (self.stiffness[rows], np.ones(len(theta))), (theta, self.theta_dot[rows])
+        impedance_torques(law.compiled, *known, *motor, setpoint, tau_c, 0, len(theta))
         return tau_c
 
 
@@ -152,7 +151,8 @@ def test_impedance_of_the_position_alone_holds_four_joints(plain):
     law = Impedance(replace(GAINS, kp_elbow=kp, kd_elbow=kd), Links(ROBOT), held, oriented=False)
     setpoint = cases.setpoint._replace(held=angles)
     found = np.empty(cases.theta.shape)
-    law.torque(cases.theta, cases.theta_dot, cases.stiffness, np.ones(len(cases.theta)), setpoint, found, 0, len(found))
+    known, motor = (cases.stiffness, np.ones(len(found))), (cases.theta, cases.theta_dot)
+    impedance_torques(law.compiled, *known, *motor, setpoint, found, 0, len(found))
     for i, (theta, theta_dot) in enumerate(zip(cases.theta, cases.theta_dot, strict=True)):
         position, _, jacobian = plain.tool(theta)
         rate = jacobian[:3] @ theta_dot - setpoint.velocity[i]

@@ -15,8 +15,11 @@ import pytest
 from fo_gym.certificate import experiments, fidelity, oracle
 from fo_gym.certificate.statement import CHECKS, check
 from fo_gym.certificate.subject import Subject
+from fo_gym.friction import LuGre
 from fo_gym.plant import plant as plant_module
-from fo_gym.plant.rigid_body import RigidBody
+from fo_gym.plant import rigid_body
+from fo_gym.plant.kernels import kernel_of
+from fo_gym.plant.rigid_body import Share
 
 GROUPS = {name: getattr(fidelity, name) for name in fidelity.__all__ if name != "CHECKS"}
 slow = pytest.mark.slow
@@ -129,19 +132,18 @@ def test_a_wrong_sign_in_the_equations_is_seen(broken: pytest.MonkeyPatch, id: s
 )
 def test_wrong_inertia_is_seen(broken: pytest.MonkeyPatch, id: str) -> None:
     """One per cent, at every pose."""
-    dynamics, forward = RigidBody.dynamics, RigidBody.forward
 
-    def heavier(self: RigidBody, *arguments: Any) -> tuple[np.ndarray, np.ndarray]:
-        inertia, bias = dynamics(self, *arguments)
-        return 1.01 * inertia, bias
+    class Heavier(Share):
+        def __init__(self, *arguments: Any) -> None:
+            super().__init__(*arguments)
+            *bias, self._right = self.outputs
+            self.outputs = (*bias, self._right.copy())
 
-    def heavier_forward(self: RigidBody) -> None:
-        forward(self)
-        *bias, _ = self.outputs
-        self.outputs = (*bias, 1.01 * self._inertia)
+        def forward(self, ids: Any = None) -> None:
+            super().forward(ids)
+            self.outputs[-1][:] = 1.01 * self._right
 
-    broken.setattr(RigidBody, "dynamics", heavier)
-    broken.setattr(RigidBody, "forward", heavier_forward)
+    broken.setattr(rigid_body, "Share", Heavier)
     assert not CHECKS[id].measure(QUICK).holds
 
 
@@ -162,17 +164,21 @@ def test_another_twin_is_seen(broken: pytest.MonkeyPatch, id: str) -> None:
 @pytest.mark.parametrize("id", ["slide-steady", pytest.param("hold-creep", marks=slow)])
 def test_a_leaking_bristle_is_seen(broken: pytest.MonkeyPatch, id: str) -> None:
     """A bristle that relaxes, by a part in 1e6 at every control period, and friction that is 2 % too small."""
-    right = plant_module.kernel_of
+    right = plant_module.bound
 
-    def leaking(law: Any) -> Any:
-        def advance(state: np.ndarray, *arguments: Any) -> None:
-            right(law)(state, *arguments)
+    def leaking(function: Any, state: np.ndarray, *arguments: Any) -> Any:
+        call = right(function, state, *arguments)
+        if function is not kernel_of(LuGre(**experiments.PAPER)):
+            return call
+
+        def advance() -> None:
+            call()
             state[4] *= 1.0 - 1e-6
             arguments[-3][:] *= 0.98
 
         return advance
 
-    broken.setattr(plant_module, "kernel_of", leaking)
+    broken.setattr(plant_module, "bound", leaking)
     assert not CHECKS[id].measure(QUICK).holds
 
 

@@ -115,10 +115,10 @@ def advance_batch(batch: dict[str, np.ndarray], h: float = H) -> tuple[np.ndarra
     """State and mean friction after 10 ms."""
     state, tau_f = batch["state"].copy(), np.zeros_like(batch["tau_m"])
     nothing = np.zeros_like(tau_f)
-    loads = batch["tau_ext"], nothing, nothing, batch["damping"], nothing[0]
-    links = loads, batch["inertia"], full_triangle(tau_f.shape[1])
-    parameters = batch["joints"], batch["friction"]
-    kernel_of(LuGre(**PAPER))(state, batch["tau_m"], *links, *parameters, h, round(1e-2 / h), tau_f, 0, len(tau_f))
+    links = (nothing, nothing, batch["inertia"], batch["damping"], nothing[0]), full_triangle(tau_f.shape[1])
+    parameters = batch["joints"], batch["friction"], h, round(1e-2 / h)
+    torques = batch["tau_m"], nothing, batch["tau_ext"]
+    kernel_of(LuGre(**PAPER))(state, torques, *links, *parameters, tau_f, 0, len(tau_f))
     return state, tau_f
 
 

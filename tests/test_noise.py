@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from fo_gym.generators import restored
-from fo_gym.hardware.noise import _AHEAD, Noise
+from fo_gym.hardware.noise import _AHEAD, _BLOCKS, Noise
 
 DOF = 3
-PERIODS = 2 * _AHEAD + 5
+PERIODS = (_BLOCKS + 1) * _AHEAD + 5
 
 
 def generators(*seeds):

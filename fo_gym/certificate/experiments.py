@@ -85,8 +85,9 @@ class Joint:
     def advance(self, tau_m: float = 0.0, steps: int = 1, h: float = DEFAULT_PHYSICS_DT, tau_ext: float = 0.0) -> float:
         """Take `steps` micro-steps of h seconds under held forces [N]; returns the mean tau_f over them [N]."""
         drive, push, nothing = np.array([[tau_m]]), np.array([[tau_ext]]), np.zeros((1, 1))
-        link = (push, nothing, nothing, nothing, nothing[0]), self.inertia, self._layout
-        self._advance(self.state, drive, *link, self.joints, self.friction, h, steps, self._tau_f, 0, 1)
+        torques, links = (drive, nothing, push), (nothing, nothing, self.inertia, nothing, nothing[0])
+        motor = self.joints, self.friction, h, steps
+        self._advance(self.state, torques, links, self._layout, *motor, self._tau_f, 0, 1)
         return float(self._tau_f.item())
 
 

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 _STATICS_ITERATIONS = 3
 
-__all__ = ["Impedance", "TaskSetpoint"]
+__all__ = ["Impedance", "TaskSetpoint", "impedance_torques"]
 
 
 class TaskSetpoint(NamedTuple):
@@ -47,6 +47,9 @@ class Impedance:
         redundant: indices of the joints that are held, each by itself, because the tool leaves them free.
         oriented: whether the tool's orientation is controlled, beside its position.
 
+    Attributes:
+        compiled: what `impedance_torques` knows it by.
+
     Raises:
         ValueError: the gains are for another number of redundant joints.
     """
@@ -54,37 +57,13 @@ class Impedance:
     def __init__(self, gains: ImpedanceGains, links: Links, redundant: Sequence[int], *, oriented: bool = True) -> None:
         self.gains = gains
         self.links = links
-        self.redundant = np.array(redundant, dtype=np.intp)
         check_joints(gains, len(redundant))
-        self._tool = np.array(
+        tool = np.array(
             [[gains.kp_position, gains.kd_position], [gains.kp_orientation, gains.kd_orientation]][: 1 + oriented]
         )
-        self._elbow = np.empty((len(redundant), 2))
-        self._elbow[:, 0], self._elbow[:, 1] = gains.kp_elbow, gains.kd_elbow
-
-    def torque(
-        self,
-        theta: Array,
-        theta_dot: Array,
-        stiffness: Array,
-        mass: Array,
-        setpoint: TaskSetpoint,
-        tau_c: Array,
-        first: int,
-        last: int,
-    ) -> None:
-        """Write the control torque of the environments from `first` to `last`, which is not among them.
-
-        Args:
-            theta, theta_dot: measured or nominal motor, (num_envs, dof), rad and rad/s.
-            stiffness: K_j as the controller knows it, (num_envs, dof), N m/rad.
-            mass: factor on the masses of the robot's file, as the controller knows it, (num_envs,).
-            setpoint: desired motion of the tool.
-            tau_c: out, (num_envs, dof), N m.
-        """
-        links = self.links
-        known = links.joints, links.world, links.reference, stiffness, mass
-        _torques(*known, theta, theta_dot, *setpoint, self.redundant, self._tool, self._elbow, tau_c, first, last)
+        elbow = np.empty((len(redundant), 2))
+        elbow[:, 0], elbow[:, 1] = gains.kp_elbow, gains.kd_elbow
+        self.compiled = links.joints, links.world, links.reference, np.array(redundant, dtype=np.intp), tool, elbow
 
 
 @jit
@@ -114,26 +93,22 @@ def _task_torque(error, rate, columns, tool, torque):
 
 
 @jit
-def _torques(
-    joints,
-    world,
-    reference,
-    stiffness,
-    mass,
-    theta,
-    theta_dot,
-    x_d,
-    x_dot_d,
-    rotation_d,
-    held,
-    redundant,
-    tool,
-    elbow,
-    tau_c,
-    first,
-    last,
-):
-    """The torque of `Impedance`, environment by environment, so that neighbours do not matter."""
+def impedance_torques(law, stiffness, mass, theta, theta_dot, setpoint, tau_c, first, last):
+    """Write the control torque of the environments from `first` to `last`, which is not among them.
+
+    Environment by environment, so that neighbours do not matter.
+
+    Args:
+        law: what an Impedance is compiled as.
+        stiffness: K_j as the controller knows it, (num_envs, dof), N m/rad.
+        mass: factor on the masses of the robot's file, as the controller knows it, (num_envs,).
+        theta, theta_dot: measured or nominal motor, (num_envs, dof), rad and rad/s.
+        setpoint: desired motion of the tool, a TaskSetpoint.
+        tau_c: out, (num_envs, dof), N m.
+        first, last: of the environments.
+    """
+    joints, world, reference, redundant, tool, elbow = law
+    x_d, x_dot_d, rotation_d, held = setpoint
     dof = len(joints)
     room, carried, columns = motion_room(dof), np.empty((dof + 1, 4)), np.empty((dof, 6))
     position, rotation, error, rate = np.empty(3), np.empty((3, 3)), np.empty(6), np.empty(6)

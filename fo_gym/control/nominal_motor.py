@@ -31,15 +31,21 @@ class NominalMotor:
 
     def step(self, tau_c: Array, tau_j: Array, motor_inertia: Array) -> None:
         """Advance one control period with the values of its first tick, (num_envs, dof) each."""
-        move_nominal(self.theta, self.theta_dot, tau_c, tau_j, motor_inertia, self.dt)
+        move_nominal((self.theta, self.theta_dot, motor_inertia), tau_c, tau_j, self.dt, 0, len(self.theta))
 
 
 @jit
-def move_nominal(theta, theta_dot, tau_c, tau_j, motor_inertia, dt):
-    """One period of all nominal motors, in place; see NominalMotor.step."""
-    num_envs, dof = theta.shape
-    for i in range(num_envs):
-        for j in range(dof):
+def move_nominal(motors, tau_c, tau_j, dt, first, last):
+    """One period of the nominal motors of the environments from `first` to `last`; see NominalMotor.step.
+
+    Args:
+        motors: (theta, theta_dot, motor_inertia), the first two in place, (num_envs, dof) each.
+        tau_c, tau_j, dt: see NominalMotor.
+        first, last: of the environments; `last` is not among them.
+    """
+    theta, theta_dot, motor_inertia = motors
+    for i in range(first, last):
+        for j in range(theta.shape[1]):
             acceleration = (tau_c[i, j] - tau_j[i, j]) / motor_inertia[i, j]
             theta[i, j] += dt * theta_dot[i, j] + (0.5 * dt * dt) * acceleration
             theta_dot[i, j] += dt * acceleration

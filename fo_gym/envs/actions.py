@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -29,7 +30,7 @@ def checked_action(
         array = np.where(ignored[:, None], 0.0, array)
     if not (array.flags.c_contiguous and array.flags.writeable):
         array = array.copy()  # the compiled functions are compiled for such
-    if not _all_finite(array.reshape(-1)):
+    if not _all_finite(array):
         place = np.argwhere(~np.isfinite(array))[0]
         raise ValueError(f"action{place.tolist()} is {array[tuple(place)]}; every value must be finite")
     return array
@@ -37,4 +38,7 @@ def checked_action(
 
 @jit
 def _all_finite(values):
-    return np.isfinite(values).all()
+    finite = True
+    for value in values.flat:
+        finite = finite and math.isfinite(value)
+    return finite

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.binding import Binds
 from fo_gym.checks import instance, mapping, real_arrays
 from fo_gym.generators import Streams, check_random_states, restored
 from fo_gym.hardware.draw import HardwareDraw, check_draw, draw_hardware
@@ -46,7 +48,7 @@ class HardwareState:
     generators: dict[str, list[Any]]
 
 
-class HardwareModel:
+class HardwareModel(Binds):
     """A plant with its hardware; without effects it measures the truth and does as it is told.
 
     Args:
@@ -60,12 +62,13 @@ class HardwareModel:
     Attributes:
         readings: of the sensors at the last look.
         motor_inertia: B as controller, nominal motor and compensator know it, (num_envs, dof).
-        motor_torque: what gears and effects added to the motors' torque in the last control period, (num_envs, dof).
 
     Raises:
         ValueError: an effect has values for another number of joints, a hook of it gives something else than it is
             asked for, or the delay is no whole number of control periods.
     """
+
+    bindings = ("_sense",)
 
     def __init__(
         self,
@@ -97,7 +100,11 @@ class HardwareModel:
         self._asked = {hook: [pair for pair in self._effects if pair[0].overrides(hook)] for hook in _HOOKS}
         if not disturbed:
             self._asked |= {hook: [] for hook in _DISTURBING}
-        self.motor_torque = np.zeros((plant.num_envs, plant.dof))
+        self.bind()
+
+    def bind(self) -> None:
+        """See Binds."""
+        self._sense = self.plant.sensors(*self.readings)
 
     def _truth(self) -> Truth:
         """How the joints are now: copies, which nobody writes into."""
@@ -116,10 +123,8 @@ class HardwareModel:
     @property
     def friction_change(self) -> FrictionChange:
         """What the effects make of the motors' friction as the joints are at the last look, or at their start."""
-        change = FrictionChange()
-        for effect, episodes in self._asked["friction"]:
-            change = change.then(effect.friction(episodes))
-        return change
+        changes = [effect.friction(episodes) for effect, episodes in self._asked["friction"]]
+        return reduce(FrictionChange.then, changes) if changes else FrictionChange()
 
     def begin(self, ids: Ids, motor_inertia: Array, draws: Sequence[HardwareDraw | None]) -> Array:
         """Start the named environments at rest; returns their true tau_j, (n, dof).
@@ -144,7 +149,7 @@ class HardwareModel:
     def look(self) -> None:
         """Sample the sensors, once per tick: every look takes new noise."""
         if not self._effects:
-            self.plant.sense(*self.readings)
+            self._sense()
             return
         readings = self._now().readings
         for effect, episodes in self._asked["measure"]:
@@ -163,16 +168,15 @@ class HardwareModel:
                 given = effect.command(given, episodes)
             tau_m[:] = given
 
-    def step(self, tau_m: Array, tau_ext: Array) -> None:
-        """Advance one control period under the motors' torque and the push, with what gears and bearings add."""
+    def step(self) -> None:
+        """Advance one control period under the torques that the plant has, with what gears and bearings add."""
         if self._asked["friction"]:
             self.plant.vary_friction(*self.friction_change)
         if self._asked["link_damping"]:
             self.plant.link_damping[:] = sum(effect.link_damping(each) for effect, each in self._asked["link_damping"])
         if self._asked["motor_torque"]:
-            self.motor_torque[:] = sum(effect.motor_torque(each) for effect, each in self._asked["motor_torque"])
-            tau_m = tau_m + self.motor_torque
-        self.plant.advance(tau_m, tau_ext)
+            self.plant.motor_torque[:] = sum(effect.motor_torque(each) for effect, each in self._asked["motor_torque"])
+        self.plant.advance()
 
     def _imperfect(self) -> dict[str, Array]:
         """The readings, by signal, where an effect has made them: they cannot be had again from the truth."""

@@ -18,6 +18,9 @@ Array = NDArray[np.float64]
 _AHEAD = 64
 """Control periods in a block."""
 
+_BLOCKS = 16
+"""Blocks after which the generators' states are taken down anew: that takes longer than to draw a block."""
+
 __all__ = ["Noise"]
 
 
@@ -31,9 +34,9 @@ class Noise:
 
     def __init__(self, generators: Iterable[np.random.Generator], dof: int) -> None:
         self._generators = list(generators)
-        self._block = np.empty((0, len(self._generators), dof))
+        self._block, self._left = np.empty((_AHEAD, len(self._generators), dof)), 0
+        # Periods since the states were taken down; the state of each generator then, or in the period of `_begins`.
         self._used = 0
-        # The state of each generator before its share of the block, and the row where that begins.
         self._states = states_of(self._generators)
         self._begins = [0] * len(self._generators)
 
@@ -42,15 +45,20 @@ class Noise:
 
     def standard_normal(self) -> Array:
         """New noise, (n, dof), not to be written into."""
-        if self._used == len(self._block):
-            self._states, self._begins, self._used = states_of(self._generators), [0] * len(self), 0
-            self._block = np.empty((_AHEAD, *self._block.shape[1:]))
-            for i, generator in enumerate(self._generators):
-                self._block[:, i] = generator.standard_normal((_AHEAD, self._block.shape[2]))
-        noise = self._block[self._used]
+        if self._left == 0:
+            self._draw_block()
+        noise = self._block[-self._left]
         noise.flags.writeable = False
         self._used += 1
+        self._left -= 1
         return noise
+
+    def _draw_block(self) -> None:
+        if self._used == _BLOCKS * _AHEAD:
+            self._states, self._begins, self._used = states_of(self._generators), [0] * len(self), 0
+        self._block, self._left = np.empty_like(self._block), _AHEAD
+        for i, generator in enumerate(self._generators):
+            self._block[:, i] = generator.standard_normal((_AHEAD, self._block.shape[2]))
 
     @property
     def states(self) -> list[dict[str, Any]]:
@@ -62,8 +70,9 @@ class Noise:
 
     def put(self, ids: Sequence[int] | NDArray[np.intp], other: Noise) -> None:
         """Let the noise of new episodes take the place of that in the named rows."""
-        ahead = len(self._block) - self._used
         for i, state in zip(ids, other.states, strict=True):
             self._states[i], self._begins[i] = state, self._used
             (self._generators[i],) = restored([state])
-            self._block[self._used :, i] = self._generators[i].standard_normal((ahead, self._block.shape[2]))
+            self._block[_AHEAD - self._left :, i] = self._generators[i].standard_normal(
+                (self._left, self._block.shape[2])
+            )

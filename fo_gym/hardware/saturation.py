@@ -29,4 +29,4 @@ class TorqueSaturation(Effect):
     def command(self, tau_m: NDArray[np.float64], episodes: Episodes) -> NDArray[np.float64]:
         """See Effect."""
         limit = self.share * episodes.torque_limit
-        return np.clip(tau_m, -limit, limit)
+        return np.minimum(np.maximum(tau_m, -limit), limit)  # np.clip takes three times as long

@@ -73,18 +73,20 @@ def _solve(lower, x):
 
 
 @jit
-def predict(state, q_dot_before, dt, q, q_dot):
-    """The predicted middle of a control period of dt seconds, into q and q_dot (num_envs, dof).
+def predict(state, before, ticks, dt, q, q_dot, first, last):
+    """The predicted middle of a control period of dt seconds, into q and q_dot (last - first, dof).
 
-    q_middle = q + q' dt/2, q'_middle = q' + (q' - q'_before)/2; q_dot_before becomes the present q'.
+    q_middle = q + q' dt/2, q'_middle = q' + (q' - q'_before)/2, for the environments from `first` to `last`. The state
+    a period ago, `before`, becomes the present one, and `ticks` (num_envs,) count the period.
     """
-    num_envs, dof = q.shape
-    for i in range(num_envs):
-        for j in range(dof):
+    for i in range(first, last):
+        ticks[i] += 1
+        for j in range(state.shape[2]):
             rate = state[1, i, j]
-            q[i, j] = state[0, i, j] + (0.5 * dt) * rate
-            q_dot[i, j] = 1.5 * rate - 0.5 * q_dot_before[i, j]
-            q_dot_before[i, j] = rate
+            q[i - first, j] = state[0, i, j] + (0.5 * dt) * rate
+            q_dot[i - first, j] = 1.5 * rate - 0.5 * before[1, i, j]
+            for row in range(len(state)):
+                before[row, i, j] = state[row, i, j]
 
 
 @jit
@@ -99,24 +101,26 @@ def sense(state, joints, theta, theta_dot, tau_j):
 
 
 @jit
-def _begin(start, end, h, state, links, inertia, layout, joints, held, z, damped, lower):
+def _begin(start, end, first, h, state, torques, links, layout, joints, held, z, damped, lower):
     """What is held over a period for the environments from `start` to `end`, and the states of their friction."""
-    tau_ext, bias, passive, link_damping, damping = links
-    load, damper, half = held[0], held[1], held[2]
+    tau_m, motor_torque, tau_ext = torques
+    bias, passive, inertia, link_damping, damping = links
+    load, damper, half, drive = held[0], held[1], held[2], held[3]
     dof = len(lower)
     added = np.empty(dof)
     for i in range(start, end):
         damped[i - start] = False
         for j in range(dof):
             m = (i - start) * dof + j
-            load[m] = tau_ext[i, j] - (bias[i, j] - passive[i, j])
+            drive[m] = tau_m[i, j] + motor_torque[i, j]
+            load[m] = tau_ext[i, j] - (bias[i - first, j] - passive[i - first, j])
             damper[m] = link_damping[i, j] + damping[j]
             half[m] = 0.5 * h / joints[i, j, 2]
             added[j] = 0.5 * h * (joints[i, j, 1] + damper[m])
             damped[i - start] = damped[i - start] or joints[i, j, 1] > 0.0
             for k in range(z.shape[1]):
                 z[m, k] = state[4 + k, i, j]
-        if not _factorise(inertia[i], layout[0], layout[1], layout[2], added, lower[:, :, i - start]):
+        if not _factorise(inertia[i - first], layout[0], layout[1], layout[2], added, lower[:, :, i - start]):
             # M is positive definite for every finite pose: the state is lost, and says so.
             state[:, i, :] = np.nan
             lower[:, :, i - start] = np.nan
@@ -126,10 +130,10 @@ def kernel(respond, step, states, memory):
     """The kernel of a law from its compiled functions, its number of states and what it hands on."""
 
     @njit(inline="always", error_model="numpy")
-    def kick(q, w, theta, v, z, held, tau_m, joints, friction, lower, h, damped, scratch, x, tau_f, memo):
+    def kick(q, w, theta, v, z, held, joints, friction, lower, h, damped, scratch, x, tau_f, memo):
         """Velocities and states of friction of a block over h at held positions; adds to the sum `tau_f`."""
         dof, envs = len(x), len(damped)
-        load, damper, half = held[0], held[1], held[2]
+        load, damper, half, tau_m = held[0], held[1], held[2], held[3]
         v_mid, w_mid, spring = scratch[0], scratch[1], scratch[2]
         for j in range(envs * dof):
             v_mid[j] = v[j]
@@ -159,18 +163,19 @@ def kernel(respond, step, states, memory):
             w[j] = 2.0 * w_mid[j] - w[j]
 
     @njit(error_model="numpy", nogil=True)
-    def advance(state, tau_m, links, inertia, layout, joints, friction, h, steps, tau_f, first, last):
+    def advance(state, torques, links, layout, joints, friction, h, steps, tau_f, first, last):
         """Advance the environments from `first` to `last` by `steps` micro-steps of h seconds, in place.
 
         Blocks of environments go together, joint after joint, which keeps the processor's units busy.
 
         Args:
             state: (4 + states, num_envs, dof), rows as in MOTION, then the law's states.
-            tau_m: motor torque, held, (num_envs, dof).
-            links: (tau_ext, bias, passive, link_damping, damping), held: tau_ext - (bias - passive) acts on the links
-                beside the springs, (num_envs, dof) each; both dampings are of dampers between the links and the world,
-                (num_envs, dof) and (dof,).
-            inertia: M of each environment as MuJoCo's sparse lower triangle, held, (num_envs, nonzeros).
+            torques: (tau_m, motor_torque, tau_ext), held: of the motors, what disturbs them beside friction, and from
+                outside, (num_envs, dof) each.
+            links: (bias, passive, inertia, link_damping, damping), held: tau_ext - (bias - passive) acts on the links
+                beside the springs; these two, (last - first, dof) each, and M as MuJoCo's sparse lower triangle, (last
+                - first, nonzeros), are of the environments to be advanced alone; both dampings are of dampers between
+                the links and the world, (num_envs, dof) and (dof,).
             layout: (row_nonzeros, row_start, columns) of that triangle.
             joints: motors and springs, (num_envs, dof, 3), columns as in fo_gym.parameters.JOINT.
             friction: the law's parameters, (num_envs, dof), of its dtype.
@@ -179,21 +184,21 @@ def kernel(respond, step, states, memory):
             tau_f: out, mean friction torque over the whole period, (num_envs, dof).
             first, last: of the environments; `last` is not among them.
         """
-        num_envs, dof = tau_m.shape
+        num_envs, dof = tau_f.shape
         size, most = num_envs * dof, min(last - first, max(1, _BLOCK // dof))
-        held, scratch = np.empty((3, most * dof)), np.empty((3, most * dof))
+        held, scratch = np.empty((4, most * dof)), np.empty((3, most * dof))
         z, memo = np.empty((most * dof, states)), np.empty((most * dof, memory))
         # Where the last block has fewer environments, the others' lanes go on idly.
         lower, x, damped = np.zeros((dof, dof, most)), np.zeros((dof, most)), np.empty(most, dtype=np.bool_)
         # Joint after joint, environment after environment.
-        moving, drives, sums = state.reshape((4 + states, size)), tau_m.reshape(size), tau_f.reshape(size)
+        moving, sums = state.reshape((4 + states, size)), tau_f.reshape(size)
         parameters, frictions = joints.reshape((size, 3)), friction.reshape(size)
         for start in range(first, last, most):
             end = min(start + most, last)
-            _begin(start, end, h, state, links, inertia, layout, joints, held, z, damped, lower)
+            _begin(start, end, first, h, state, torques, links, layout, joints, held, z, damped, lower)
             a, b = start * dof, end * dof
             q, w, theta, v = moving[0, a:b], moving[1, a:b], moving[2, a:b], moving[3, a:b]
-            drive, joint, rubs, total = drives[a:b], parameters[a:b], frictions[a:b], sums[a:b]
+            joint, rubs, total = parameters[a:b], frictions[a:b], sums[a:b]
             damps = damped[: end - start]
             total[:] = 0.0
             for number in range(steps):
@@ -202,7 +207,7 @@ def kernel(respond, step, states, memory):
                 for j in range(b - a):
                     q[j] += length * w[j]
                     theta[j] += length * v[j]
-                kick(q, w, theta, v, z, held, drive, joint, rubs, lower, h, damps, scratch, x, total, memo)
+                kick(q, w, theta, v, z, held, joint, rubs, lower, h, damps, scratch, x, total, memo)
             for j in range(b - a):
                 q[j] += 0.5 * h * w[j]
                 theta[j] += 0.5 * h * v[j]

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.binding import Binds, Bound, bound
 from fo_gym.checks import POSITIVE, instance, number, real, real_array, shown, whole_number
 from fo_gym.friction import FrictionLaw
 from fo_gym.micro_steps import PhysicsDt, StepAdvice, advise_steps, auto_steps, check_steps, is_auto, micro_steps
@@ -28,7 +27,7 @@ MAX_ENVS = 100_000
 __all__ = ["MAX_ENVS", "FlexibleJointPlant"]
 
 
-class FlexibleJointPlant:
+class FlexibleJointPlant(Binds):
     """The batched plant: MuJoCo for the links, the joint kernel for motors, springs and friction.
 
         M(q) q'' + C(q,q') q' + g(q) = tau_j + tau_ext
@@ -52,6 +51,8 @@ class FlexibleJointPlant:
         ValueError: a parameter is out of range, or the micro-step is too long for a joint, or too short.
     """
 
+    bindings = ("_predicts", "_moves")
+
     def __init__(
         self,
         link_side: LinkSide,
@@ -71,44 +72,50 @@ class FlexibleJointPlant:
         self.num_envs = whole_number("num_envs", num_envs, 1, MAX_ENVS)
         self.control_dt = control_dt
         self.threads = Threads(self.num_envs, self.dof, number_of_threads(num_threads))
-        self.body = RigidBody(link_side, num_envs, self.threads.count)
+        self.body = RigidBody(link_side, num_envs, self.threads.shares)
         shape = (num_envs, self.dof)
         self._law = friction
         self._joints = np.empty((*shape, len(JOINT)))
         self._friction = np.empty(shape, friction.dtype)
         self._own_friction = self._friction.copy()
         self._state = np.zeros((len(MOTION) + friction.states, *shape))
-        self._q_dot_before = np.zeros(shape)
+        self._before = np.zeros_like(self._state)  # a control period ago
         self._ticks = np.zeros(num_envs, dtype=np.int64)
-        self._look_up()
         self.tau_f = np.zeros(shape)
         """Mean friction torque over the past control period, (num_envs, dof), N or N m."""
         self.link_damping = np.zeros(shape)
         """Of dampers at the links beside the file's from now on, (num_envs, dof), N s/m or N m s/rad, to be set."""
+        self.motor_torque = np.zeros(shape)
+        """What disturbs the motors beside friction from now on, likewise, N or N m, to be set."""
+        self.tau_m, self.tau_ext = np.zeros((2, *shape))  # in the coming period, likewise, to be set
         home = np.broadcast_to(self.body.model.qpos0, shape)
         everyone = np.arange(num_envs)
+        self._name_parts()
         self.configure(everyone, joints=joints, friction=friction)
         if is_auto(physics_dt):
             self.steps = auto_steps(self.advise(everyone, home), control_dt)
         else:
             self.steps = micro_steps(control_dt, physics_dt)
         self.physics_dt = control_dt / self.steps
+        self.bind()
         self.reset(everyone, home)
 
-    def _look_up(self) -> None:
-        """Name the parts of the state, and find the kernel of the law."""
-        self.q, self.q_dot, self.theta, self.theta_dot = self._state[: len(MOTION)]
+    def _name_parts(self) -> None:
+        self.q, self.q_dot, self.theta, self.theta_dot, *_ = self._state
         states = self._state[len(MOTION) :]
         self.z = states[0] if len(states) == 1 else np.moveaxis(states, 0, -1)
-        self._advance = kernel_of(self._law)
+        self._q_dot_before = self._before[MOTION.index("q_dot")]
 
-    def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in self.__dict__.items() if name != "_advance"}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        # Pickling turns views into copies: make them views of the one state array again.
-        self.__dict__.update(state)
-        self._look_up()
+    def bind(self) -> None:
+        """See Binds."""
+        self._name_parts()
+        body, kernel, torques = self.body, kernel_of(self._law), (self.tau_m, self.motor_torque, self.tau_ext)
+        parameters = body.layout, self._joints, self._friction, self.physics_dt, self.steps, self.tau_f
+        before, self._predicts, self._moves = (self._before, self._ticks, self.control_dt), [], []
+        for share in body.shares:
+            links, place = (*share.outputs, self.link_damping, body.damping), (share.first, share.last)
+            self._predicts.append(bound(predict, self._state, *before, *share.inputs, *place))
+            self._moves.append(bound(kernel, self._state, torques, links, *parameters, *place))
 
     @property
     def time(self) -> Array:
@@ -195,12 +202,17 @@ class FlexibleJointPlant:
     def tau_j(self) -> Array:
         """What the torque sensors measure, K_j (theta - q) + D_j (theta' - q'), (num_envs, dof), N or N m."""
         readings = np.empty((3, *self.q.shape))
-        self.sense(*readings)
+        sense(self._state, self._joints, *readings)
         return readings[2]
 
-    def sense(self, theta: Array, theta_dot: Array, tau_j: Array) -> None:
-        """Write what perfect sensors measure into three arrays, (num_envs, dof) each."""
-        sense(self._state, self._joints, theta, theta_dot, tau_j)
+    def sensors(self, theta: Array, theta_dot: Array, tau_j: Array) -> Bound:
+        """What writes into these three arrays, (num_envs, dof) each, what perfect sensors measure when it is called."""
+        return bound(sense, self._state, self._joints, theta, theta_dot, tau_j)
+
+    def take(self, tau_m: Array, tau_ext: Array) -> None:
+        """Have these arrays, (num_envs, dof) of float64 each, for `tau_m` and `tau_ext` from now on."""
+        self.tau_m, self.tau_ext = tau_m, tau_ext
+        self.bind()
 
     def step(self, tau_m: Array, tau_ext: Array) -> None:
         """Advance one control period with motor and external torques held, (num_envs, dof) each, N or N m.
@@ -208,24 +220,18 @@ class FlexibleJointPlant:
         Raises:
             ValueError: a torque has another shape, or does not hold real numbers.
         """
-        # The kernel is compiled for arrays that lie row by row.
-        tau_m = np.require(real("tau_m", tau_m), requirements=["C", "W"])
-        tau_ext = np.require(real("tau_ext", tau_ext), requirements=["C", "W"])
-        for name, torque in (("tau_m", tau_m), ("tau_ext", tau_ext)):
+        torques = {"tau_m": real("tau_m", tau_m), "tau_ext": real("tau_ext", tau_ext)}
+        for name, torque in torques.items():
             if torque.shape != self.q.shape:
                 raise ValueError(f"{name} has shape {torque.shape}; this plant needs {self.q.shape}")
-        self.advance(tau_m, tau_ext)
+        self.tau_m[:], self.tau_ext[:] = torques["tau_m"], torques["tau_ext"]
+        self.advance()
 
-    def advance(self, tau_m: Array, tau_ext: Array) -> None:
-        """`step` for torques that are known to be contiguous arrays of float64 of the right shape."""
-        body, steps = self.body, (self.physics_dt, self.steps)
-        predict(self._state, self._q_dot_before, self.control_dt, *body.inputs)
-        body.forward()
-        bias, passive, inertia = body.outputs
-        links = (tau_ext, bias, passive, self.link_damping, body.damping), inertia, body.layout
-        parameters = *links, self._joints, self._friction, *steps
-        self.threads.run(self._advance, self._state, tau_m, *parameters, self.tau_f)
-        self._ticks += 1
+    def advance(self) -> None:
+        """Advance one control period with `tau_m` and `tau_ext` held."""
+        self.threads.run(self._predicts)
+        self.threads.run(self.body.forwards)
+        self.threads.run(self._moves)
 
     @property
     def finite(self) -> NDArray[np.bool_]:
@@ -241,10 +247,9 @@ class FlexibleJointPlant:
         """A copy of `motion`."""
         return self._state.copy()
 
-    def restore(self, i: int, snapshot: Array) -> None:
-        """Put environment i alone back to where it was at `snapshot`."""
-        self._state[:, i] = snapshot[:, i]
-        self._q_dot_before[i] = self.q_dot[i]
+    def restore(self, i: int) -> None:
+        """Put environment i alone back to where it was a control period ago."""
+        self._state[:, i] = self._before[:, i]
         self.tau_f[i] = 0.0
 
     def get_state(self) -> PlantState:

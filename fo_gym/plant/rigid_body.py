@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import os
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import mujoco
@@ -18,7 +18,36 @@ Ids = NDArray[np.intp] | None
 
 _VELOCITY_STAGE = int(mujoco.mjtStage.mjSTAGE_VEL)
 
-__all__ = ["RigidBody"]
+__all__ = ["RigidBody", "Share"]
+
+
+class Share:
+    """Some environments of a body, one after the other in a batch of MuJoCo's: a thread's work.
+
+    Attributes:
+        first, last: of them; `last` is not among them.
+        inputs: where `forward` reads q and q_dot, (last - first, dof) each, to be written into.
+        outputs: what it writes, until the next query does: bias, and what it is less of, (last - first, dof) each, and
+            M, (last - first, nonzeros).
+    """
+
+    def __init__(self, model: mujoco.MjModel, first: int, last: int) -> None:
+        self.first, self.last = first, last
+        self._batch = Batch(model, last - first, nthread=1)
+        self.inputs = self._batch.bind("qpos"), self._batch.bind("qvel")
+        self.outputs = tuple(self._batch.bind(name) for name in ("qfrc_bias", "qfrc_passive", "M"))
+        self._mass, self._inertia = self._batch.expand("body_mass"), self._batch.expand("body_inertia")
+
+    def scale_mass(self, model: mujoco.MjModel, scale: Array, ids: Ids) -> None:
+        """Multiply masses and inertias of the model by `scale`, (n,), for its own environments of these numbers."""
+        rows = slice(None) if ids is None else ids
+        self._mass[rows] = model.body_mass * scale[:, None]
+        self._inertia[rows] = model.body_inertia * scale[:, None, None]
+        self._batch.set_const(ids)
+
+    def forward(self, ids: Ids = None) -> None:
+        """What `RigidBody.dynamics` gives, for its own environments of these numbers, at `inputs` into `outputs`."""
+        self._batch.forward(ids, _VELOCITY_STAGE)
 
 
 class RigidBody:
@@ -27,66 +56,53 @@ class RigidBody:
     It holds no motion state: every query names the configuration it asks about. `ids` picks environments
     (None = all); arrays then have one row for each of them.
 
+    Args:
+        link_side: what is loaded.
+        num_envs: how many copies.
+        shares: (first, last) environment of each thread; None for one thread.
+
     Attributes:
-        link_side: what was loaded.
-        num_threads: of MuJoCo.
         model: the compiled MuJoCo model.
         links: its kinematics and gravity, with the masses of the file.
         damping: of the file's own dampers at the joints, (dof,) [N s/m | N m s/rad]: they are the kernel's, which takes
             them implicitly, and no part of the bias.
         layout: (row_nonzeros, row_start, columns) of the sparse lower triangle in which `dynamics` gives M.
         mass_scale: factor on the masses of each environment, (num_envs,).
-        inputs: where `forward` reads q and q_dot, (num_envs, dof) each, to be written into.
-        outputs: what it writes, until the next query does: bias, and what it is less of, (num_envs, dof) each, and M.
+        shares: those of the threads.
+        forwards: what they do, to be called.
     """
 
-    def __init__(self, link_side: LinkSide, num_envs: int, num_threads: int = 1) -> None:
+    def __init__(self, link_side: LinkSide, num_envs: int, shares: Sequence[tuple[int, int]] | None = None) -> None:
         self.link_side = link_side
-        self.num_envs = num_envs
-        self.num_threads = num_threads
         self.model = link_side.model
         self.links = Links(link_side)
         self.damping = self.model.dof_damping.copy()
         self.model.dof_damping[:] = 0.0
         self.mass_scale = np.ones(num_envs)
-        self._make_batch()
+        self._make_shares(shares or [(0, num_envs)])
 
-    def _make_batch(self) -> None:
+    def _make_shares(self, shares: Sequence[tuple[int, int]]) -> None:
         self.layout = self.model.M_rownnz, self.model.M_rowadr, self.model.M_colind
-        self._batch, self._process = Batch(self.model, self.num_envs, nthread=self.num_threads), os.getpid()
-        self._qpos = self._batch.bind("qpos")
-        self._qvel = self._batch.bind("qvel")
-        self._inertia = self._batch.bind("M")
-        self._bias = self._batch.bind("qfrc_bias")
-        self._passive = self._batch.bind("qfrc_passive")
-        self.inputs, self.outputs = (self._qpos, self._qvel), (self._bias, self._passive, self._inertia)
-        self._mass = self._batch.expand("body_mass")
-        self._body_inertia = self._batch.expand("body_inertia")
+        self.shares = [Share(self.model, first, last) for first, last in shares]
+        self.forwards = [share.forward for share in self.shares]
         self.scale_mass(self.mass_scale)
 
     def __getstate__(self) -> dict[str, Any]:
-        # A Batch owns threads and cannot be pickled; it is rebuilt from what defines it.
-        return {
-            "link_side": self.link_side,
-            "num_envs": self.num_envs,
-            "num_threads": self.num_threads,
-            "model": self.model,
-            "links": self.links,
-            "damping": self.damping,
-            "mass_scale": self.mass_scale,
-        }
+        # A Batch cannot be pickled; it is rebuilt from what defines it.
+        kept = {name: value for name, value in self.__dict__.items() if name not in ("layout", "forwards", "shares")}
+        return {**kept, "shares": [(share.first, share.last) for share in self.shares]}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
-        self._make_batch()
+        self._make_shares(state["shares"])
 
-    def _check_process(self) -> None:
-        """Raise RuntimeError where this process was forked and has none of the threads: it would wait for ever."""
-        if self.num_threads > 1 and self._process != os.getpid():
-            raise RuntimeError(
-                "this process was forked, and the environment's threads stayed with its parent; make the environment "
-                "in this process, or with num_threads=1"
-            )
+    def _parts(self, ids: Ids) -> Iterator[tuple[Share, NDArray[np.intp] | slice, Ids]]:
+        """Every share of these environments: which of `ids` are its own, and which of its own they are."""
+        for share in self.shares:
+            if ids is None:
+                yield share, slice(share.first, share.last), None
+            elif len(own := np.flatnonzero((ids >= share.first) & (ids < share.last))):
+                yield share, own, ids[own] - share.first
 
     def scale_mass(self, scale: Array, ids: Ids = None) -> None:
         """Multiply all masses and inertias of the file by `scale`, (n,), for the named environments.
@@ -96,17 +112,9 @@ class RigidBody:
         """
         if not np.all(np.isfinite(scale) & (np.asarray(scale) > 0)):
             raise ValueError(f"mass scale is {scale}; it must be finite and above 0")
-        self._check_process()
-        rows = slice(None) if ids is None else ids
-        self.mass_scale[rows] = scale
-        self._mass[rows] = self.model.body_mass * self.mass_scale[rows, None]
-        self._body_inertia[rows] = self.model.body_inertia * self.mass_scale[rows, None, None]
-        self._batch.set_const(ids)
-
-    def forward(self) -> None:
-        """What `dynamics` gives, for all environments at `inputs`, into `outputs`."""
-        self._check_process()
-        self._batch.forward(None, _VELOCITY_STAGE)
+        self.mass_scale[slice(None) if ids is None else ids] = scale
+        for share, own, its in self._parts(ids):
+            share.scale_mass(self.model, scale[own], its)
 
     def dynamics(self, q: Array, q_dot: Array, ids: Ids = None) -> tuple[Array, Array]:
         """Inertia and bias at (q, q_dot), (n, dof) each.
@@ -115,11 +123,15 @@ class RigidBody:
             M as a sparse lower triangle, (n, nonzeros), laid out as in `layout`; C q_dot + g less the file's own
             joint springs, (n, dof), N or N m.
         """
-        self._check_process()
-        rows = slice(None) if ids is None else ids
-        self._qpos[rows], self._qvel[rows] = q, q_dot
-        self._batch.forward(ids, _VELOCITY_STAGE)
-        return self._inertia[rows], self._bias[rows] - self._passive[rows]
+        inertia, bias = np.empty((len(q), len(self.layout[2]))), np.empty(q.shape)
+        for share, own, its in self._parts(ids):
+            rows = slice(None) if its is None else its
+            for place, value in zip(share.inputs, (q, q_dot), strict=True):
+                place[rows] = value[own]
+            share.forward(its)
+            whole, less, sparse = share.outputs
+            inertia[own], bias[own] = sparse[rows], whole[rows] - less[rows]
+        return inertia, bias
 
     def dense_inertia(self, q: Array, ids: Ids = None) -> Array:
         """M(q) as full matrices, (n, dof, dof)."""

@@ -20,11 +20,11 @@ TAU_M, TAU_EXT, TAU_F, TAU_DIST, TAU_F_HAT = range(5)
 ROUGHNESS_WEIGHT = 0.1
 """Share of the reward that a rough motor torque costs at most."""
 
-__all__ = ["INSIDE", "LOST", "OUTSIDE", "close", "pull", "settle", "torques"]
+__all__ = ["INSIDE", "LOST", "OUTSIDE", "close", "pull", "record", "settle", "torques"]
 
 
 @jit
-def torques(ticks, dt, push_time, push_duration, push_torque, tau_c, action, limit, compensates, acting):
+def torques(ticks, dt, push_time, push_duration, push_torque, tau_c, limit, compensates, acting, action):
     """Torques that are held over the coming control period.
 
     Args:
@@ -33,9 +33,10 @@ def torques(ticks, dt, push_time, push_duration, push_torque, tau_c, action, lim
         push_time, push_duration: start and length of each environment's sin^2 push [s], (num_envs,); 0 long = none.
         push_torque: its peak, (num_envs, dof).
         tau_c: control torque, (num_envs, dof).
-        action: tau_f_hat or tau_m, (num_envs, dof), clipped to +-limit (dof,).
+        limit: of the motors' torque, (dof,).
         compensates: whether the action is tau_f_hat.
         acting: out, rows TAU_M, TAU_EXT and TAU_F_HAT, zeros where the action is tau_m; (5, num_envs, dof), N or N m.
+        action: tau_f_hat or tau_m, (num_envs, dof), clipped to +-limit.
     """
     num_envs, dof = tau_c.shape
     for i in range(num_envs):
@@ -51,7 +52,7 @@ def torques(ticks, dt, push_time, push_duration, push_torque, tau_c, action, lim
 
 
 @jit
-def _add_acted(acting, tau_f, motor_torque, tick, ticks, where, past):
+def _add_acted(acting, tau_f, motor_torque, tick, ticks, where, past, first, last):
     """Add what acted in a control period to the means over a step, all (5, num_envs, dof) [N | N m].
 
     Args:
@@ -61,17 +62,17 @@ def _add_acted(acting, tau_f, motor_torque, tick, ticks, where, past):
         tick, ticks: number of the period in its step, and how many there are.
         where: of whoever is LOST friction is not known, and counts as 0, (num_envs,).
         past: out.
+        first, last: of the environments; `last` is not among them.
     """
-    num_envs, dof = tau_f.shape
-    for i in range(num_envs):
-        for j in range(dof):
+    for i in range(first, last):
+        for j in range(tau_f.shape[1]):
             acting[TAU_F, i, j] = tau_f[i, j] if where[i] != LOST else 0.0
             acting[TAU_DIST, i, j] = acting[TAU_F, i, j] + motor_torque[i, j]
             past[TAU_F_HAT, i, j] = acting[TAU_F_HAT, i, j]
             for row in range(TAU_F_HAT):
                 before = past[row, i, j] if tick > 0 else 0.0
                 past[row, i, j] = before + acting[row, i, j]
-                if tick == ticks - 1:
+                if ticks > 1 and tick == ticks - 1:
                     past[row, i, j] /= ticks
 
 
@@ -112,17 +113,18 @@ def pull(after, gone, position, jacobian, q_dot, numbers, direction, gripped_at,
 
 
 @jit
-def _whereabouts(state, low, high, where):
-    """Where each environment is, into `where` (num_envs,): INSIDE, OUTSIDE or LOST; returns whether all are inside.
+def _whereabouts(state, low, high, where, first, last):
+    """Where the environments are, into `where` (num_envs,): INSIDE, OUTSIDE or LOST; returns how many are not inside.
 
     Args:
         state: the plant's (rows, num_envs, dof); row 0 is q.
         low, high: joint range, (dof,).
         where: out.
+        first, last: of the environments; `last` is not among them.
     """
-    rows, num_envs, dof = state.shape
-    everyone = True
-    for i in range(num_envs):
+    rows, _, dof = state.shape
+    others = 0
+    for i in range(first, last):
         where[i] = INSIDE
         for j in range(dof):
             if not low[j] <= state[0, i, j] <= high[j]:
@@ -131,36 +133,49 @@ def _whereabouts(state, low, high, where):
             for j in range(dof):
                 if not math.isfinite(state[row, i, j]):
                     where[i] = LOST
-        everyone = everyone and where[i] == INSIDE
-    return everyone
+        others += where[i] != INSIDE
+    return others
 
 
 @jit
-def settle(
-    ticks, dt, time, tau_c, tau_j, nominal, acting, tau_f, motor_torque, tick, decimation, past, state, box, where
-):
-    """What is left to do when the joints have moved: nominal motors, means, and the clocks; returns as `_whereabouts`.
+def settle(clock, nominal, tau_c, tau_j, acting, disturbances, period, decimation, past, state, box, ends, first, last):
+    """What is left to do when the joints have moved: nominal motors, means, the clocks, and who is out of range.
 
     Args:
-        ticks: of each environment, (num_envs,), of which one more is over; in place.
-        dt: control period [s].
-        time: out, of each environment, (num_envs, 1) [s].
+        clock: (ticks, dt, time): control ticks of each environment, (num_envs,), of which one more is over; the control
+            period [s]; time, out, (num_envs, 1) [s].
+        nominal: (theta_n, theta_n_dot, motor_inertia), see `move_nominal`.
         tau_c, tau_j: control torque and measured torque at the start of the period, (num_envs, dof).
-        nominal: (theta_n, theta_n_dot, motor_inertia), see NominalMotor; the first two in place.
-        acting, tau_f, motor_torque, tick, decimation, past: see `_add_acted`.
-        state, box, where: see `_whereabouts`; the box is (low, high).
+        acting, past: see `_add_acted`.
+        disturbances: (tau_f, motor_torque), likewise.
+        period: number of the period in its step, (1,).
+        decimation: control periods of a step.
+        state, box: see `_whereabouts`; the box is (low, high).
+        ends: (where, others), out: see `_whereabouts`, whose answer is written into `others`, (1,).
+        first, last: of the environments; `last` is not among them.
     """
-    everyone = _whereabouts(state, box[0], box[1], where)
-    move_nominal(nominal[0], nominal[1], tau_c, tau_j, nominal[2], dt)
-    _add_acted(acting, tau_f, motor_torque, tick, decimation, where, past)
-    for i in range(len(ticks)):
+    ticks, dt, time = clock
+    where, others = ends
+    others[0] = _whereabouts(state, box[0], box[1], where, first, last)
+    move_nominal(nominal, tau_c, tau_j, dt, first, last)
+    _add_acted(acting, disturbances[0], disturbances[1], period[0], decimation, where, past, first, last)
+    for i in range(first, last):
         ticks[i] += 1
         time[i, 0] = ticks[i] * dt
-    return everyone
 
 
 @jit
-def close(tau_m, previous, limit, distance, ticks, last_tick, terminated, reward, truncated):
+def record(motion, past, whole):
+    """Write what moves, (rows, num_envs, dof), and below it what acted in the past step into `whole`."""
+    rows, num_envs, dof = motion.shape
+    for row in range(len(whole)):
+        for i in range(num_envs):
+            for j in range(dof):
+                whole[row, i, j] = motion[row, i, j] if row < rows else past[row - rows, i, j]
+
+
+@jit
+def close(tau_m, previous, limit, ticks, last_tick, distance, terminated, reward, truncated):
     """The end of a step, (num_envs,) each: reward = closeness (1 - ROUGHNESS_WEIGHT roughness), and whose time is over.
 
     closeness = 1 / (1 + distance); roughness is the mean change of tau_m over joints as a share of the
@@ -169,8 +184,8 @@ def close(tau_m, previous, limit, distance, ticks, last_tick, terminated, reward
     Args:
         tau_m, previous: motor torque of this and of the last step, (num_envs, dof); the second becomes the first.
         limit: torque limits, (dof,).
-        distance: from the reference, in units of the one of half closeness.
         ticks, last_tick: where each environment is, and where its episode ends.
+        distance: from the reference, in units of the one of half closeness.
         terminated: whose episode has ended before.
         reward, truncated: out.
     """

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from fo_gym.hardware import Readings
 from fo_gym.plant.kernel import MOTION
 from fo_gym.signals import SIGNALS, TIERS, Signals
-from fo_gym.simulation.kernels import TAU_M
+from fo_gym.simulation.kernels import TAU_M, record
 from fo_gym.simulation.past_step import PastStep
 
 Array = NDArray[np.float64]
@@ -78,11 +78,13 @@ class Memory:
 
     def truth(self, motion: Array, rows: int | slice) -> dict[str, Array]:
         """Of the named environments: what moves, of the plant's `motion`, and what acted in the past step: copies."""
-        record = np.concatenate((motion[:, rows], self.past[:, rows]))
-        if len(record) == len(_TRUTH):
-            return dict(zip(_TRUTH, record, strict=True))
-        z = np.moveaxis(record[len(MOTION) : -len(_ACTED)], 0, -1)
-        moving, acted = record[: len(MOTION)], record[-len(_ACTED) :]
+        whole = np.empty((len(motion) + len(self.past), *motion.shape[1:]))
+        record(motion, self.past, whole)
+        parts = whole[:, rows]
+        if len(parts) == len(_TRUTH):
+            return dict(zip(_TRUTH, parts, strict=False))  # which takes half the time of a strict one
+        z = np.moveaxis(parts[len(MOTION) : -len(_ACTED)], 0, -1)
+        moving, acted = parts[: len(MOTION)], parts[-len(_ACTED) :]
         return dict(zip(_TRUTH, (*moving, z, *acted), strict=True))
 
     def set_past(self, step: PastStep) -> None:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.binding import Binds, bound
 from fo_gym.checks import instance
 from fo_gym.control.nominal_motor import NominalMotor
 from fo_gym.hardware import HardwareDraw
@@ -50,7 +50,7 @@ NON_FINITE = "non_finite"
 __all__ = ["JOINT_LIMIT", "NON_FINITE", "Simulation"]
 
 
-class Simulation:
+class Simulation(Binds):
     """`num_envs` episodes of one robot and task, advanced together.
 
     Args:
@@ -69,6 +69,8 @@ class Simulation:
         limits: of what the options of a reset may ask for.
         hands: at the tools, or None.
     """
+
+    bindings = ("_torques", "_settles", "_close")
 
     def __init__(
         self,
@@ -112,22 +114,33 @@ class Simulation:
             self.limits.check_draws(self.task, self.robot.home)
         self._origin = Origin.of(self.robot, self.task, num_envs, settings)
         self._where = np.full(num_envs, INSIDE)
+        self._others = np.zeros(self.plant.threads.count, dtype=np.int64)  # who are not inside, of each thread's share
+        self._period = np.zeros(1, dtype=np.int64)  # of a step
         self._compensates = settings.action_mode == "compensation"
         self._pushes = Pushes(num_envs, self.dof)
         self.hands = None if self.task.hand is None else Hands(self.plant, settings.decimation)
-        self._share_memory()
+        self.bind()
 
-    def _share_memory(self) -> None:
-        """Let everybody write into the one memory."""
-        signals = self.memory.signals
+    def bind(self) -> None:
+        """Let everybody write into the one memory, and see Binds."""
+        memory, signals, hardware = self.memory, self.memory.signals, self.hardware_model
         self.nominal_motor.theta, self.nominal_motor.theta_dot = signals.theta_n, signals.theta_n_dot
         self.control.theta_d, self.control.reference = signals.theta_d, signals.reference
-        self.hardware_model.readings = self.memory.readings
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        # Pickling turns views into copies.
-        self.__dict__.update(state)
-        self._share_memory()
+        hardware.readings = memory.readings
+        hardware.bind()
+        self.control.bind()
+        dt, acting, past, pulse = self.settings.control_dt, memory.acting, memory.past, self._pushes
+        self.plant.take(acting[TAU_M], acting[TAU_EXT])
+        command = signals.tau_c, self.torque_limit, self._compensates
+        self._torques = bound(torques, self.ticks, dt, pulse.time, pulse.duration, pulse.torque, *command, acting)
+        clock, nominal = (self.ticks, dt, signals.time), (signals.theta_n, signals.theta_n_dot, hardware.motor_inertia)
+        acted = acting, (self.plant.tau_f, self.plant.motor_torque), self._period, self.settings.decimation, past
+        moved = clock, nominal, signals.tau_c, signals.tau_j, *acted, self.plant.motion, self._box
+        self._settles = [
+            bound(settle, *moved, (self._where, self._others[k : k + 1]), *share)
+            for k, share in enumerate(self.plant.threads.shares)
+        ]
+        self._close = bound(close, past[TAU_M], signals.tau_m, self.torque_limit, self.ticks, self.last_tick)
 
     @property
     def available(self) -> frozenset[str]:
@@ -188,50 +201,37 @@ class Simulation:
         Returns:
             reward (num_envs,); terminated; truncated; why the terminated ones ended, by environment.
         """
-        memory, hardware = self.memory, self.hardware_model
+        hardware = self.hardware_model
         reasons: dict[int, str] = {}
         if self.hands is not None:
             self.hands.force[:] = 0.0
         for number in range(self.settings.decimation):
             self._act(action)
-            before = self.plant.snapshot()
-            hardware.step(memory.acting[TAU_M], memory.acting[TAU_EXT])
-            if not self._settle(number):
-                self._find_ends(before, reasons)
+            hardware.step()
+            self._period[0] = number
+            self.plant.threads.run(self._settles)
+            if any(self._others.tolist()):
+                self._find_ends(reasons)
             hardware.look()
             self._update_control()
         reward, (terminated, truncated) = np.empty(self.num_envs), np.zeros((2, self.num_envs), dtype=bool)
         if reasons:
             terminated[list(reasons)] = True
-        torque = memory.past[TAU_M], memory.signals.tau_m, self.torque_limit
-        distance = self.control.distance(self.plant, self._scale)
-        close(*torque, distance, self.ticks, self.last_tick, terminated, reward, truncated)
+        self._close(self.control.distance(self.plant, self._scale), terminated, reward, truncated)
         return reward, terminated, truncated, reasons
 
     def _act(self, action: Array) -> None:
         """The estimate that is compensated, and what motors, pushes and hands apply over the coming control period."""
-        pulse = self._pushes.time, self._pushes.duration, self._pushes.torque
-        acting, limit = self.memory.acting, self.torque_limit
-        dt, tau_c = self.settings.control_dt, self.memory.signals.tau_c
-        torques(self.ticks, dt, *pulse, tau_c, action, limit, self._compensates, acting)
+        self._torques(action)
         if self.hands is not None:
-            self.hands.act(self.ticks, acting[TAU_EXT])
-        self.hardware_model.command(acting[TAU_M])
+            self.hands.act(self.ticks, self.plant.tau_ext)
+        self.hardware_model.command(self.plant.tau_m)
 
-    def _settle(self, number: int) -> bool:
-        """What is left to do in a step's period of this number; returns whether all joints are in their ranges."""
-        memory, hardware, plant, signals = self.memory, self.hardware_model, self.plant, self.memory.signals
-        clock = self.ticks, self.settings.control_dt, signals.time
-        nominal = signals.tau_c, signals.tau_j, (signals.theta_n, signals.theta_n_dot, hardware.motor_inertia)
-        acted = memory.acting, plant.tau_f, hardware.motor_torque, number, self.settings.decimation, memory.past
-        everyone: bool = settle(*clock, *nominal, *acted, plant.motion, self._box, self._where)
-        return everyone
-
-    def _find_ends(self, before: Array, reasons: dict[int, str]) -> None:
-        """Note environments that left the joint range or the finite numbers; put the latter back to `before`."""
+    def _find_ends(self, reasons: dict[int, str]) -> None:
+        """Note environments that left the joint range or the finite numbers; put the latter back where they were."""
         for i in np.flatnonzero(self._where == LOST):
             reasons.setdefault(int(i), NON_FINITE)
-            self.plant.restore(int(i), before)
+            self.plant.restore(int(i))
         for i in np.flatnonzero(self._where == OUTSIDE):
             reasons.setdefault(int(i), JOINT_LIMIT)
 

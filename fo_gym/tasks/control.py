@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.binding import Binds, Bound
 from fo_gym.compiling import jit
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.tasks.scenario import Scenario
@@ -18,10 +19,10 @@ Array = NDArray[np.float64]
 Ids = NDArray[np.intp]
 Ticks = NDArray[np.int64]
 
-__all__ = ["PathStatics", "TaskControl", "Ticks", "believed", "joint_distance"]
+__all__ = ["CompiledControl", "PathStatics", "TaskControl", "Ticks", "believed", "joint_distance", "path_statics"]
 
 
-class TaskControl(ABC):
+class TaskControl(Binds, ABC):
     """Reference and controller of a batch of episodes; derive from it.
 
     It remembers nothing between two ticks but what `reset` gave it, since `follow` is asked about other motors, too.
@@ -78,23 +79,56 @@ class TaskControl(ABC):
         """Where the links of environment i should be now, (dof,), m or rad; None where the tool's path says it."""
 
 
+class CompiledControl(TaskControl):
+    """One whose `follow` is compiled and bound to the arrays that it was given last: mostly they are the same ones."""
+
+    bindings: ClassVar[tuple[str, ...]] = ("_given", "_follows", "_scale", "_distances")
+
+    def __init__(self, plant: FlexibleJointPlant, references: int = 0) -> None:
+        super().__init__(plant.num_envs, plant.dof, references)
+        self._plant = plant
+        self._apart = np.empty(plant.num_envs)
+
+    def bind(self) -> None:
+        """See Binds."""
+        self._given: tuple[Any, ...] = (None, None, None, None)
+        self._scale: Any = None
+
+    @abstractmethod
+    def _bound_follow(self, ticks: Ticks, theta: Array, theta_dot: Array, tau_c: Array) -> list[Bound]:
+        """What `follow` calls for these arrays, one for each share of the plant's threads."""
+
+    @abstractmethod
+    def _bound_distance(self, scale: Any, distance: Array) -> list[Bound]:
+        """What `distance` calls for this scale, likewise; the result goes into `distance`."""
+
+    def follow(self, ticks: Ticks, theta: Array, theta_dot: Array, tau_c: Array) -> None:
+        """See TaskControl."""
+        given = self._given
+        if not (ticks is given[0] and theta is given[1] and theta_dot is given[2] and tau_c is given[3]):
+            self.ticks, self._given = ticks, (ticks, theta, theta_dot, tau_c)
+            self._follows = self._bound_follow(*self._given)
+        self._plant.threads.run(self._follows)
+
+    def distance(self, plant: FlexibleJointPlant, scale: Any) -> Array:
+        """See TaskControl. The array is the same one every time."""
+        if scale is not self._scale:
+            self._scale, self._distances = scale, self._bound_distance(scale, self._apart)
+        self._plant.threads.run(self._distances)
+        return self._apart
+
+
 def believed(scenarios: Sequence[Scenario]) -> tuple[Array, Array]:
     """What the controller knows: factor on the masses of the robot's file (n,), and K_j (n, dof)."""
     mass = np.array([scenario.mass_scale * scenario.believed_mass for scenario in scenarios])
     return mass, np.array([scenario.believed.stiffness for scenario in scenarios])
 
 
-def joint_distance(plant: FlexibleJointPlant, theta_d: Array, scale: Array) -> Array:
-    """Root mean square of (theta - theta_d) / scale over the joints, (num_envs,)."""
-    distance = np.empty(len(theta_d))
-    _distance(plant.theta, theta_d, scale, distance)
-    return distance
-
-
 @jit
-def _distance(theta, theta_d, scale, distance):
-    num_envs, dof = theta.shape
-    for i in range(num_envs):
+def joint_distance(theta, theta_d, scale, distance, first, last):
+    """Root mean square of (theta - theta_d) / scale over the joints, into distance (num_envs,), from first to last."""
+    dof = theta.shape[1]
+    for i in range(first, last):
         squares = 0.0
         for j in range(dof):
             error = (theta[i, j] - theta_d[i, j]) / scale[j]
@@ -113,29 +147,36 @@ class PathStatics:
         row: of the table, at the current ticks, (num_envs,).
         mass, stiffness: see `believed`, (num_envs,) and (num_envs, dof).
         gravity: g(q_d) with the masses of each episode, (num_envs, dof), N | N m.
+        compiled: what `path_statics` knows it by.
     """
 
     def __init__(self, plant: FlexibleJointPlant, q_d: Array) -> None:
         springs = plant.body.links.gravity(q_d, 0.0)
-        self._table = np.ascontiguousarray(q_d), springs, plant.body.links.gravity(q_d) - springs
+        table = np.ascontiguousarray(q_d), springs, plant.body.links.gravity(q_d) - springs
         self.mass = np.ones(plant.num_envs)
         self.stiffness = plant.stiffness.copy()
         self.row = np.zeros(plant.num_envs, dtype=np.int64)
         self.gravity = np.zeros((plant.num_envs, plant.dof))
+        self.compiled = *table, self.mass, self.stiffness, self.row, self.gravity
 
     def reset(self, ids: Ids, scenarios: Sequence[Scenario]) -> None:
         """Take the scenarios of new episodes."""
         self.mass[ids], self.stiffness[ids] = believed(scenarios)
 
-    def update(self, ticks: Ticks, theta_d: Array) -> None:
-        """Move to these control ticks, (num_envs,), and write the desired motors, (num_envs, dof), m | rad."""
-        _statics(ticks, *self._table, self.mass, self.stiffness, self.row, self.gravity, theta_d)
-
 
 @jit
-def _statics(ticks, table_q_d, springs, weight, mass, stiffness, row, gravity, theta_d):
-    num_envs, dof = theta_d.shape
-    for i in range(num_envs):
+def path_statics(statics, ticks, theta_d, first, last):
+    """Move environments `first` to `last` to these control ticks, and write their desired motors.
+
+    Args:
+        statics: what a PathStatics is compiled as.
+        ticks: (num_envs,).
+        theta_d: out, (num_envs, dof), m | rad.
+        first, last: of the environments; `last` is not among them.
+    """
+    table_q_d, springs, weight, mass, stiffness, row, gravity = statics
+    dof = theta_d.shape[1]
+    for i in range(first, last):
         row[i] = min(ticks[i], len(table_q_d) - 1)
         for j in range(dof):
             gravity[i, j] = springs[row[i], j] + mass[i] * weight[row[i], j]

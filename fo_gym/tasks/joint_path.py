@@ -9,13 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.binding import Bound, bound
 from fo_gym.checks import FINITE, NOT_NEGATIVE, POSITIVE, Value, check_numbers, check_values
+from fo_gym.compiling import jit
 from fo_gym.control.design import designed_pd
-from fo_gym.control.motor_pd import MotorPD
+from fo_gym.control.motor_pd import MotorPD, pd_torque
 from fo_gym.parameters import PDGains, check_joints
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.robots import Robot
-from fo_gym.tasks.control import PathStatics, TaskControl, Ticks, joint_distance
+from fo_gym.tasks.control import CompiledControl, PathStatics, joint_distance, path_statics
 from fo_gym.tasks.joint_fit import fitted_sinusoids
 from fo_gym.tasks.kinematics import path_ticks
 from fo_gym.tasks.scenario import Scenario
@@ -102,36 +104,44 @@ class JointPath:
         return self.amplitude * envelope * swing, self.amplitude * (envelope * velocity + swelling * swing)
 
 
-class JointPathControl(TaskControl):
+class JointPathControl(CompiledControl):
     """tau_c = -K_p (theta_* - theta_d) - K_d (theta_*' - q_d') + g(q_d), theta_d = q_d + K_j^-1 g(q_d).
 
     q_d' stands for theta_d': the spring's own deflection changes slower by dg/dq / K_j.
     """
 
     def __init__(self, path: JointPath, robot: Robot, plant: FlexibleJointPlant, gains: PDGains) -> None:
-        super().__init__(plant.num_envs, plant.dof)
+        super().__init__(plant)
         ticks = path_ticks(path.duration, plant.control_dt)
         offset, self._velocity = path.at(np.arange(ticks, dtype=np.float64) * plant.control_dt)
         self._q_d = robot.home + offset
         self._law = MotorPD(gains, robot.dof)
         self._statics = PathStatics(plant, self._q_d)
+        self.bind()
+
+    def _bound_follow(self, *given: Any) -> list[Bound]:
+        law = self._statics.compiled, self._velocity, self._law.kp, self._law.kd
+        return [bound(_follow, *law, self.theta_d, *given, *share) for share in self._plant.threads.shares]
+
+    def _bound_distance(self, scale: Any, distance: Array) -> list[Bound]:
+        both = self._plant.theta, self.theta_d
+        return [bound(joint_distance, *both, scale, distance, *share) for share in self._plant.threads.shares]
 
     def reset(self, ids: Ids, scenarios: Sequence[Scenario]) -> None:
         """See TaskControl."""
         self._statics.reset(ids, scenarios)
 
-    def follow(self, ticks: Ticks, theta: Array, theta_dot: Array, tau_c: Array) -> None:
-        """See TaskControl."""
-        self.ticks, statics = ticks, self._statics
-        statics.update(ticks, self.theta_d)
-        rate = theta_dot - self._velocity[statics.row]
-        tau_c[:] = self._law.torque(theta, rate, self.theta_d, statics.gravity)
-
-    def distance(self, plant: FlexibleJointPlant, scale: Any) -> Array:
-        """See TaskControl."""
-        return joint_distance(plant, self.theta_d, scale)
-
     def desired_links(self, i: int) -> Array:
         """See TaskControl."""
         links: Array = self._q_d[self._statics.row[i]]
         return links
+
+
+@jit
+def _follow(statics, velocity, kp, kd, theta_d, ticks, theta, theta_dot, tau_c, first, last):
+    path_statics(statics, ticks, theta_d, first, last)
+    row, gravity = statics[-2:]
+    for i in range(first, last):
+        for j in range(theta_d.shape[1]):
+            rate = theta_dot[i, j] - velocity[row[i], j]
+            tau_c[i, j] = pd_torque(theta[i, j], rate, theta_d[i, j], gravity[i, j], kp[j], kd[j])

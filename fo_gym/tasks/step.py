@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.binding import Bound, bound
 from fo_gym.checks import FINITE, NOT_NEGATIVE, Value, check_values, number
 from fo_gym.compiling import jit
 from fo_gym.control.design import designed_pd
@@ -16,7 +17,7 @@ from fo_gym.control.motor_pd import MotorPD, pd_torque
 from fo_gym.parameters import PDGains, check_joints
 from fo_gym.plant import FlexibleJointPlant
 from fo_gym.robots import Robot
-from fo_gym.tasks.control import TaskControl, Ticks, believed, joint_distance
+from fo_gym.tasks.control import CompiledControl, believed, joint_distance
 from fo_gym.tasks.scenario import Scenario
 
 Array = NDArray[np.float64]
@@ -67,16 +68,24 @@ class Step:
         return StepControl(self, plant, gains)
 
 
-class StepControl(TaskControl):
+class StepControl(CompiledControl):
     """Motor PD towards a target that jumps once: q_start before the step, the scenario's target after it."""
 
     def __init__(self, step: Step, plant: FlexibleJointPlant, gains: PDGains) -> None:
-        super().__init__(plant.num_envs, plant.dof)
+        super().__init__(plant)
         self._step_tick = round(step.time / plant.control_dt)
-        self._plant = plant
         self._law = MotorPD(gains, plant.dof)
         # Before and after the step.
         self._q_d, self._theta_d, self._gravity = np.zeros((3, 2, plant.num_envs, plant.dof))
+        self.bind()
+
+    def _bound_follow(self, *given: Any) -> list[Bound]:
+        law = self._step_tick, self._theta_d, self._gravity, self._law.kp, self._law.kd
+        return [bound(_follow, *law, self.theta_d, *given, *share) for share in self._plant.threads.shares]
+
+    def _bound_distance(self, scale: Any, distance: Array) -> list[Bound]:
+        both = self._plant.theta, self.theta_d
+        return [bound(joint_distance, *both, scale, distance, *share) for share in self._plant.threads.shares]
 
     def reset(self, ids: Ids, scenarios: Sequence[Scenario]) -> None:
         """See TaskControl."""
@@ -87,16 +96,6 @@ class StepControl(TaskControl):
             self._gravity[phase, ids] = self._plant.body.links.gravity(q_d, mass)
             self._theta_d[phase, ids] = q_d + self._gravity[phase, ids] / stiffness
 
-    def follow(self, ticks: Ticks, theta: Array, theta_dot: Array, tau_c: Array) -> None:
-        """See TaskControl."""
-        self.ticks, law = ticks, self._law
-        reference = self._step_tick, self._theta_d, self._gravity
-        _follow(ticks, *reference, theta, theta_dot, law.kp, law.kd, self.theta_d, tau_c)
-
-    def distance(self, plant: FlexibleJointPlant, scale: Any) -> Array:
-        """See TaskControl."""
-        return joint_distance(plant, self.theta_d, scale)
-
     def desired_links(self, i: int) -> Array:
         """See TaskControl."""
         links: Array = self._q_d[int(self.ticks[i] >= self._step_tick), i]
@@ -104,10 +103,9 @@ class StepControl(TaskControl):
 
 
 @jit
-def _follow(ticks, step_tick, phase_theta_d, phase_gravity, theta, theta_dot, kp, kd, theta_d, tau_c):
-    num_envs, dof = tau_c.shape
-    for i in range(num_envs):
+def _follow(step_tick, phase_theta_d, phase_gravity, kp, kd, theta_d, ticks, theta, theta_dot, tau_c, first, last):
+    for i in range(first, last):
         phase = 1 if ticks[i] >= step_tick else 0
-        for j in range(dof):
+        for j in range(theta_d.shape[1]):
             theta_d[i, j], gravity = phase_theta_d[phase, i, j], phase_gravity[phase, i, j]
             tau_c[i, j] = pd_torque(theta[i, j], theta_dot[i, j], theta_d[i, j], gravity, kp[j], kd[j])

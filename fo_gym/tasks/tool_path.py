@@ -10,14 +10,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fo_gym.binding import Bound, bound
 from fo_gym.checks import POSITIVE, number, real_array, shown
+from fo_gym.compiling import jit
 from fo_gym.control.design import designed_impedance
-from fo_gym.control.impedance import Impedance, TaskSetpoint
+from fo_gym.control.impedance import Impedance, impedance_torques
 from fo_gym.parameters import ImpedanceGains
 from fo_gym.plant import FlexibleJointPlant
+from fo_gym.plant.screws import tool_distances
 from fo_gym.robots import LinkSide, Robot
 from fo_gym.robots.poses import tool_rows
-from fo_gym.tasks.control import PathStatics, TaskControl, Ticks
+from fo_gym.tasks.control import CompiledControl, PathStatics, path_statics
 from fo_gym.tasks.kinematics import PathTable, TimedPath, path_table
 from fo_gym.tasks.scenario import Scenario
 from fo_gym.tasks.square_fit import Direction, fitted_square
@@ -117,36 +120,53 @@ def _cached_table(
     return path_table(link_side, path, np.array(home), dt, redundant)
 
 
-class ToolPathControl(TaskControl):
+class ToolPathControl(CompiledControl):
     """Impedance along a tool path, which can be hashed: its table is kept."""
 
     def __init__(self, path: TimedPath, robot: Robot, plant: FlexibleJointPlant, gains: ImpedanceGains) -> None:
-        super().__init__(plant.num_envs, robot.dof, 3)
+        super().__init__(plant, references=3)
         home = tuple(robot.home.tolist())
         links = robot.link_side
         self.table = _cached_table(links, links.stamp, path, home, plant.control_dt, robot.redundant)
         held = [robot.joints.index(name) for name in robot.redundant]
         self._law = Impedance(gains, plant.body.links, held, oriented=tool_rows(robot.dof) == 6)
         self._statics = PathStatics(plant, self.table.q_d)
-        self._threads = plant.threads
+        self._velocity = np.empty_like(self.reference)
         self.path = self.table.position
+        self.bind()
+
+    def _bound_follow(self, *given: Any) -> list[Bound]:
+        table = self.table.position, self.table.velocity, self.table.rotation, self.table.held
+        parts = self._law.compiled, self._statics.compiled, table, self.theta_d, self.reference, self._velocity
+        return [bound(_follow, *parts, *given, *share) for share in self._plant.threads.shares]
+
+    def _bound_distance(self, scale: Any, distance: Array) -> list[Bound]:
+        plant, links = self._plant, self._plant.body.links
+        parts = (links.joints, links.world, links.reference), plant.q, self.reference, scale, distance
+        return [bound(_distance, *parts, *share) for share in plant.threads.shares]
 
     def reset(self, ids: Ids, scenarios: Sequence[Scenario]) -> None:
         """See TaskControl."""
         self._statics.reset(ids, scenarios)
 
-    def follow(self, ticks: Ticks, theta: Array, theta_dot: Array, tau_c: Array) -> None:
-        """See TaskControl."""
-        self.ticks, table, statics = ticks, self.table, self._statics
-        statics.update(ticks, self.theta_d)
-        table.position.take(statics.row, 0, self.reference, "clip")  # no row is out of range; "raise" would copy twice
-        setpoint = TaskSetpoint(self.reference, table.velocity.take(statics.row, 0), table.rotation, table.held)
-        known = statics.stiffness, statics.mass
-        self._threads.run(self._law.torque, theta, theta_dot, *known, setpoint, tau_c)
-
-    def distance(self, plant: FlexibleJointPlant, scale: Any) -> Array:
-        """See TaskControl."""
-        return plant.body.links.tool_distance(plant.q, self.reference) / scale
-
     def desired_links(self, i: int) -> None:
         """See TaskControl."""
+
+
+@jit
+def _follow(law, statics, table, theta_d, reference, velocity, ticks, theta, theta_dot, tau_c, first, last):
+    path_statics(statics, ticks, theta_d, first, last)
+    position_d, velocity_d, rotation_d, held = table
+    mass, stiffness, row, _ = statics[3:]
+    for i in range(first, last):
+        for axis in range(3):
+            reference[i, axis], velocity[i, axis] = position_d[row[i], axis], velocity_d[row[i], axis]
+    setpoint = reference, velocity, rotation_d, held
+    impedance_torques(law, stiffness, mass, theta, theta_dot, setpoint, tau_c, first, last)
+
+
+@jit
+def _distance(links, q, point, scale, distance, first, last):
+    tool_distances(*links, q[first:last], point[first:last], distance[first:last])
+    for i in range(first, last):
+        distance[i] /= scale
