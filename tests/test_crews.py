@@ -92,7 +92,7 @@ def test_a_batch_is_not_larger_than_memory_allows(monkeypatch: pytest.MonkeyPatc
     record = EpisodeSet.record
     monkeypatch.setattr(EpisodeSet, "record", lambda *who: batches.append(len(who[0].seeds)) or record(*who))
     found = [trials_together(episodes, competitors, references)]
-    monkeypatch.setattr(trial, "_MEMORY", 2 * 8 * 12 * 51 * 2)
+    monkeypatch.setattr(trial, "_MEMORY", 2 * 8 * trial._ARRAYS * 51 * 2)
     found.append(trials_together(episodes, competitors, references))
     assert batches == [6, 2, 4, 2, 2]
     for one, other in zip(*found, strict=True):
