@@ -78,7 +78,8 @@ def test_nothing_is_documented_that_is_not_there() -> None:
         told = documented(thing.__doc__ or "")
         if names := [each for each in (*told["Args"], *told["Attributes"]) if each not in there]:
             extra[name] = names
-    assert extra == {"Compensator": ["learned", "privileged", "array_gains", "diagnostics"]}  # which one may have, and need not
+    # Which one may have, and need not.
+    assert extra == {"Compensator": ["learned", "privileged", "array_gains", "diagnostics"]}
 
 
 @pytest.mark.parametrize("env_id", fo_gym.ENVIRONMENTS)
