@@ -105,6 +105,12 @@ class _Recorder:
             theta, theta_dot, torque = info["theta"], info["theta_dot"], self.simulation.control.torque
             self.guided["held"][tick], self.guided["free"][tick] = torque(theta, 0.0 * theta), torque(theta, theta_dot)
 
+    def _keep_diagnostics(self, step: int, told: Mapping[str, Array]) -> None:
+        for part, values in told.items():
+            if part not in self.diagnostics:
+                self.diagnostics[part] = np.full_like(self.periods["tau_f_hat"], np.nan)
+            self.diagnostics[part][step] = values
+
     def run(self, compensator: Compensator, name: str) -> Recording:
         """All episodes, tick by tick."""
         privileged = is_privileged(compensator)
@@ -113,8 +119,7 @@ class _Recorder:
             start = time.perf_counter()
             estimate = checked_estimate(compensator, name, signals, self.alive, step)
             self.seconds[step] = time.perf_counter() - start
-            for part, told in checked_diagnostics(compensator, name, estimate.shape, step).items():
-                self.diagnostics.setdefault(part, np.full_like(self.periods["tau_f_hat"], np.nan))[step] = told
+            self._keep_diagnostics(step, checked_diagnostics(compensator, name, estimate.shape, step))
             obs, _, terminated, _, info = self.env.step(estimate)
             self.signals = Signals.from_observation(obs, self.dof, self.env.available)
             for part, kept in self.periods.items():
