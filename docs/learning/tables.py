@@ -140,7 +140,6 @@ LEARNING: dict[str, Callable[[], str]] = {
     "ticks": ticks,
     "training": training,
     "told": told,
-    "adaptive": adaptive,
     "adaptive outside": adaptive_outside,
     "ablated": ablated,
 }
