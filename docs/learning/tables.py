@@ -140,6 +140,7 @@ LEARNING: dict[str, Callable[[], str]] = {
     "ticks": ticks,
     "training": training,
     "told": told,
+    "adaptive": adaptive,
     "adaptive outside": adaptive_outside,
     "ablated": ablated,
 }
