@@ -140,7 +140,7 @@ def made_class(entry: EntryPoint) -> type:
 
 
 def rows(entries: list[EntryPoint], scores: pd.DataFrame) -> str:
-    """A table: each row of the leaderboard with its gains and its FRR on each environment."""
+    """A table: each row of the leaderboard with its gains and its FRR on each environment; then who has no row."""
     environments = list(dict.fromkeys(scores["env"]))
     lines = [f"| row | gains | {' | '.join(environments)} |", "| --- | --- |" + " --- |" * len(environments)]
     defaults = {entry.name: gains_of(entry.load()) for entry in entries}
@@ -151,6 +151,10 @@ def rows(entries: list[EntryPoint], scores: pd.DataFrame) -> str:
         cells = [" / ".join(f"{frr:.3f}" for frr in mine[mine["env"] == env]["frr"]) for env in environments]
         gains = defaults[competitor.spec] if competitor.name == competitor.spec else f"tuned, from `{competitor.spec}`"
         lines.append(f"| `{competitor.name}` | {gains} | {' | '.join(cells)} |")
+    ranked = {competitor.spec for competitor in competitors_of(load_protocol("full"))}
+    lines += [
+        f"| `{name}` | {own} |{' no row |' * len(environments)}" for name, own in defaults.items() if name not in ranked
+    ]
     return "\n".join(lines)
 
 
