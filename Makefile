@@ -10,7 +10,7 @@ PYTEST := $(BIN)/python -m pytest -n 2 --dist loadfile
 FAST := not slow and not robots and not zoo
 
 .PHONY: leaderboard quick reproduce reproduce-quick train study tune bench page test test-slow test-robots test-zoo test-all
-.PHONY: test-portable check docs site dist publish publish-laws publish-pages publish-maps publish-videos publish-bench
+.PHONY: test-portable check docs site dist publish publish-laws publish-study publish-pages publish-maps publish-videos publish-bench
 .PHONY: clean help
 
 leaderboard: $(VENV)/.run  ## score everybody, to build/leaderboard (a quarter of an hour on two cores)
@@ -92,6 +92,9 @@ publish: $(VENV)/.dev system  ## run leaderboard and reproduction, write leaderb
 
 publish-laws: $(VENV)/.dev  ## run the leaderboard under each friction law, write leaderboard/laws/
 	$(BIN)/fo-gym leaderboard --protocol laws --out leaderboard/laws
+
+publish-study: $(VENV)/.rl  ## run the study of RL algorithms, to docs/agents/ (a night; goes on after a kill)
+	$(BIN)/python -m baselines.rl.study --out docs/agents
 
 publish-pages: $(VENV)/.dev system  ## redraw the pictures and the tables of README and docs/
 	$(BIN)/python docs/pictures.py

@@ -82,7 +82,15 @@ class Signals:
                 f"observation has shape {obs.shape}, {size} values each; dof = {dof} needs at least {end + 1}"
             )
         blocks: dict[str, Any] = {name: obs[..., i * dof : (i + 1) * dof] for i, name in enumerate(SIGNALS)}
-        return cls(**blocks, time=obs[..., end : end + 1], reference=obs[..., end + 1 :], available=available)
+        blocks |= {"time": obs[..., end : end + 1], "reference": obs[..., end + 1 :]}
+        return cls.of({**blocks, "available": available, "truth": None})
+
+    @classmethod
+    def of(cls, values: Mapping[str, Any]) -> Signals:
+        """Of all attributes by name; a frozen class' constructor, which sets them singly, takes five times as long."""
+        signals = object.__new__(cls)
+        signals.__dict__.update(values)
+        return signals
 
     def observation(self) -> Array:
         """A new array with what `from_observation` takes apart, (..., 8 dof + 1 + k)."""

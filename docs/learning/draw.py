@@ -14,11 +14,12 @@ from baselines.rl.compensator import SHIPPED
 from baselines.rl.course import COURSES
 from baselines.rl.report import curve_figure
 from fo_gym.compensators import Ideal
+from fo_gym.evaluation.results.style import BLUE, GREEN, ORANGE, PURPLE
 from fo_gym.evaluation.runs.episodes import EpisodeSet
 from fo_gym.files import draft_of
 
 HERE = Path(__file__).parent
-COLOURS = {"pid-high": "C0", "pid, L = 200": "C2", "rl-residual": "C1", "rl-direct": "C3"}
+COLOURS = {"pid-high": BLUE, "pid, L = 200": GREEN, "rl-residual": ORANGE, "rl-direct": PURPLE}
 POLICIES = ("rl-direct", "rl-residual")
 TRACED = ("pid-high", "rl-residual", "rl-direct")
 EPISODE = 1_000_000_003

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
 
 from fo_gym.bench.bars import CORES, ENVS, JOINTS, LENGTH
 from fo_gym.evaluation.results.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILLION
@@ -62,6 +62,10 @@ def _add_linear(axis: Axes, rows: pd.DataFrame, slope: float) -> None:
     axis.set_yscale("log")
     axis.set_xticks(points, [f"{point:g}" for point in points])
     axis.xaxis.set_minor_locator(NullLocator())
+    low, high = axis.get_ylim()
+    axis.yaxis.set_major_locator(LogLocator(subs=(1.0,) if high > 30.0 * low else (1.0, 2.0, 5.0)))
+    axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.yaxis.set_minor_formatter(NullFormatter())
 
 
 def draw_growth(times: pd.DataFrame, path: Path) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fo_gym.evaluation.episode.trace import Trace
-from fo_gym.evaluation.metrics.hunting import HUNTING
+from fo_gym.evaluation.metrics.hunting import HUNTING, settled
 
 Array = NDArray[np.float64]
 
@@ -74,7 +74,7 @@ def _furthest(time: Array, away: Array) -> Finding:
 def _at_rest(signals: dict[str, Array], unit: str) -> Finding:
     """What a joint does once it would have come to rest without friction; told is the worst one."""
     time, theta, ideal, target = (signals[name] for name in ("time", "theta", "theta_ideal", "theta_d"))
-    resting = _settled(ideal)
+    resting = settled(ideal)
     error = theta[resting:] - ideal[resting:]
     swings = [turning_points(column, HUNTING) for column in error.T]
     joint = int(np.argmax([len(each) for each in swings]))
@@ -92,12 +92,6 @@ def _at_rest(signals: dict[str, Array], unit: str) -> Finding:
     else:
         text = f"comes to rest on the target, within {1e3 * abs(short[joint]):.2g} m{unit}, at {since:.1f} s"
     return Finding(text, _around(time, since, 3.0))
-
-
-def _settled(ideal: Array) -> int:
-    """From which tick on nothing would move without friction, by more than a tenth of what counts as hunting."""
-    moving = np.flatnonzero((np.abs(ideal - ideal[-1]) > HUNTING / 10).any(axis=1))
-    return int(moving[-1]) + 1 if len(moving) and moving[-1] + 1 < len(ideal) else 0
 
 
 def _joint(joint: int, theta: Array) -> str:

@@ -15,11 +15,13 @@ from fo_gym.evaluation.results.statistics import (
     stratified_interval,
     stratified_mean,
 )
+from fo_gym.evaluation.results.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION
 from fo_gym.files import atomic, csv, draft_of, read_csv
 
 SCORES = {"return": "return", "frr": "FRR"}
 ALL = "all"
 """Name of all environments together."""
+_COLORS = (BLUE, VERMILLION, GREEN, ORANGE, PURPLE, SKY, BLACK)
 
 __all__ = ["ALL", "collect", "curves", "figure", "page", "table", "write_summary"]
 
@@ -93,10 +95,9 @@ def figure(points: pd.DataFrame) -> Figure:
         for axis, env_id in zip(axes[row], env_ids, strict=True):
             for place, agent in enumerate(agents):
                 line = points[(points["env"] == env_id) & (points["agent"] == agent)]
-                axis.plot(line["steps"], line[name], "o-", color=f"C{place}", markersize=3, label=agent)
-                axis.fill_between(
-                    line["steps"], line[f"{name}_low"], line[f"{name}_high"], color=f"C{place}", alpha=0.2
-                )
+                color = _COLORS[place % len(_COLORS)]
+                axis.plot(line["steps"], line[name], "o-", color=color, markersize=3, label=agent)
+                axis.fill_between(line["steps"], line[f"{name}_low"], line[f"{name}_high"], color=color, alpha=0.2)
             axis.set_ylabel(title)
             axis.set_xlabel("steps")
             axis.grid(alpha=0.3)

@@ -19,7 +19,8 @@ Array = NDArray[np.float64]
 Name = TypeVar("Name", bound=Hashable)
 
 _ARRAYS = (*SIGNALS, "time", "reference")
-"""The arrays that Signals consists of, in its order; `available` and `truth` follow."""
+"""The arrays that Signals consists of, in its order."""
+_PARTS = (*_ARRAYS, "available", "truth")
 
 __all__ = ["Team", "alike"]
 
@@ -41,12 +42,13 @@ class Team:
         self.members = list(members)
         self.share = share
         self.seconds: list[list[float]] = [[] for _ in members]
+        self._rows = [slice(place * share, (place + 1) * share) for place in range(len(self.members))]
         ((self.feedback, self.privileged),) = {_kind(member) for member in self.members}
         self.learned = any(has_learned(member) for member in self.members)
 
     def rows(self, place: int) -> slice:
         """The environments of a member, by its place."""
-        return slice(place * self.share, (place + 1) * self.share)
+        return self._rows[place]
 
     def reset(self, joints: JointInfo, num_envs: int) -> None:
         """Start every member on a batch of its share."""
@@ -56,11 +58,12 @@ class Team:
     def estimate(self, signals: Signals) -> Array:
         """tau_f_hat, (num_envs, dof), the rows of each member from itself. Raises ValueError for another shape."""
         estimate = np.empty(signals.theta.shape)
-        for place, (member, seen) in enumerate(zip(self.members, self._shares(signals), strict=True)):
+        members = enumerate(zip(self.members, self._shares(signals), self._rows, self.seconds, strict=True))
+        for place, (member, seen, rows, seconds) in members:
             start = time.perf_counter()
             answer = np.asarray(member.estimate(seen))
-            self.seconds[place].append(time.perf_counter() - start)
-            own = estimate[self.rows(place)]
+            seconds.append(time.perf_counter() - start)
+            own = estimate[rows]
             if answer.shape != own.shape:
                 raise ValueError(f"member {place} returned shape {answer.shape}; its share is {own.shape}")
             own[...] = answer
@@ -82,16 +85,15 @@ class Team:
         def parts(array: Array) -> Array:
             return array.reshape(len(self.members), self.share, *array.shape[1:])
 
-        made: Any = Signals
         truth, count = signals.truth, len(self.members)
         truths: Iterable[Mapping[str, Array] | None] = (
             repeat(None, count)
             if truth is None
             else (dict(zip(truth, each, strict=True)) for each in zip(*map(parts, truth.values()), strict=True))
         )
-        views = zip(*(parts(getattr(signals, name)) for name in _ARRAYS), strict=True)
-        for arrays, true in zip(views, truths, strict=True):
-            yield made(*arrays, signals.available, true)
+        arrays = [parts(getattr(signals, name)) for name in _ARRAYS]
+        for seen in zip(*arrays, repeat(signals.available, count), truths, strict=True):
+            yield Signals.of(dict(zip(_PARTS, seen, strict=True)))
 
 
 def _of(joints: JointInfo, rows: slice) -> JointInfo:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -109,6 +110,12 @@ def stick_slip(episode: Episode) -> float:
     speeds = np.abs(episode.theta_dot[window]) / fastest
     ticks = max(1, round(_STUCK_FOR / episode.dt))
     return float(max(_slips(speed, ticks) for speed in speeds.T))
+
+
+def settled(ideal: NDArray[np.floating[Any]]) -> int:
+    """From which tick on the friction-free motors, (ticks, dof), rest, to a tenth of HUNTING; 0 where they never do."""
+    moving = np.flatnonzero((np.abs(ideal - ideal[-1]) > HUNTING / 10).any(axis=1))
+    return int(moving[-1]) + 1 if len(moving) and moving[-1] + 1 < len(ideal) else 0
 
 
 def _slips(speed: Array, ticks: int) -> int:

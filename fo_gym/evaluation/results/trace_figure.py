@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from fo_gym.evaluation.competitors.competitor import REFERENCE, YOURS
 from fo_gym.evaluation.episode.trace import Trace
+from fo_gym.evaluation.metrics.hunting import settled
 from fo_gym.evaluation.results.style import BLUE, GREEN, ORANGE, PAGE, PURPLE, SKY, VERMILLION, figure_of, label
 from fo_gym.evaluation.results.tables import marked
 from fo_gym.evaluation.runs.episodes import label_of
@@ -58,7 +59,7 @@ def draw_traces(left: Axes, right: Axes, traces: Sequence[Trace], origins: Mappi
 
     Args:
         left: gets the tool's path, or a joint's distance from its target.
-        right: gets the distance from where tool or joint would be without friction.
+        right: gets the distance from where tool or joint would be without friction; of a joint, once that rests.
         traces: of the same episode.
         origins: where each competitor comes from, as far as it counts.
     """
@@ -104,7 +105,7 @@ def _chosen(traces: Sequence[Trace], origins: Mapping[str, str]) -> list[_Curve]
 
 
 def _draw_joint(left: Axes, right: Axes, curves: Sequence[_Curve]) -> None:
-    """Left: a joint's distance from its target; right: from where it would be without friction, magnified."""
+    """Left: a joint's distance from its target; right: at rest, from where it would be without friction, magnified."""
     joint = min(SHOWN_JOINT, curves[0][0].signals["theta"].shape[1] - 1)
     reach = 0.0
     for trace, _, line in curves:
@@ -116,6 +117,9 @@ def _draw_joint(left: Axes, right: Axes, curves: Sequence[_Curve]) -> None:
             reach = max(reach, 1.3 * float(np.abs(lost[len(lost) // 2 :]).max()))
     if reach > 0.0:
         right.set_ylim(-reach, reach)
+    time, ideal = (curves[0][0].signals[name] for name in ("time", "theta_ideal"))
+    # Before the joints rest, errors of the motion would fill the panel from top to bottom.
+    right.set_xlim(min(time[settled(ideal)], 0.75 * time[-1]), time[-1])
     for axis, origin in ((left, "theta_d"), (right, "theta_ideal")):
         axis.set_xlabel("time [s]")
         axis.set_ylabel(f"theta - {origin}, joint {joint + 1} [m{curves[0][0].joint_unit}]")
