@@ -107,22 +107,28 @@ def _chosen(traces: Sequence[Trace], origins: Mapping[str, str]) -> list[_Curve]
 def _draw_joint(left: Axes, right: Axes, curves: Sequence[_Curve]) -> None:
     """Left: a joint's distance from its target; right: at rest, from where it would be without friction, magnified."""
     joint = min(SHOWN_JOINT, curves[0][0].signals["theta"].shape[1] - 1)
+    end, rest = _rest(curves[0][0])
+    right.set_xlim(rest, end)  # before the joints rest, errors of the motion would fill the panel from top to bottom
     reach = 0.0
     for trace, _, line in curves:
+        time = trace.signals["time"]
         theta, ideal, target = (trace.signals[name][:, joint] for name in ("theta", "theta_ideal", "theta_d"))
-        left.plot(trace.signals["time"], _MILLI * (theta - target), **line)
+        left.plot(time, _MILLI * (theta - target), **line)
         if trace.compensator not in BUILT_IN:
             lost = _MILLI * (theta - ideal)
-            right.plot(trace.signals["time"], lost, **line)
-            reach = max(reach, 1.3 * float(np.abs(lost[len(lost) // 2 :]).max()))
+            right.plot(time, lost, **line)
+            reach = max(reach, 1.3 * float(np.abs(lost[time >= 0.5 * (rest + end)]).max()))
     if reach > 0.0:
         right.set_ylim(-reach, reach)
-    time, ideal = (curves[0][0].signals[name] for name in ("time", "theta_ideal"))
-    # Before the joints rest, errors of the motion would fill the panel from top to bottom.
-    right.set_xlim(min(time[settled(ideal)], 0.75 * time[-1]), time[-1])
     for axis, origin in ((left, "theta_d"), (right, "theta_ideal")):
         axis.set_xlabel("time [s]")
         axis.set_ylabel(f"theta - {origin}, joint {joint + 1} [m{curves[0][0].joint_unit}]")
+
+
+def _rest(trace: Trace) -> tuple[float, float]:
+    """When an episode ends, and from when on its joints would rest without friction, its last quarter at least."""
+    time = trace.signals["time"]
+    return float(time[-1]), min(float(time[settled(trace.signals["theta_ideal"])]), 0.75 * float(time[-1]))
 
 
 def _draw_paths(left: Axes, right: Axes, curves: Sequence[_Curve]) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from dataclasses import dataclass
@@ -114,6 +115,9 @@ class Processes:
 
     @staticmethod
     def _results(jobs: int, function: Callable[..., T], tasks: Mapping[int, Task]) -> Iterator[tuple[int, T]]:
+        # Workers hold hundreds of megabytes while they work, of which the allocator keeps some: joblib takes that for a
+        # leak, where psutil tells it, and puts a new worker in the place of one that has nothing to do.
+        warnings.filterwarnings("ignore", "A worker stopped while some jobs were given", UserWarning)
         # Threads inside a worker would fight the other workers for the cores.
         parallel = Parallel(n_jobs=jobs, return_as="generator_unordered", inner_max_num_threads=1)
         here = _Home.here()
