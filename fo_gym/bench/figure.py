@@ -9,10 +9,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
+from matplotlib.ticker import NullLocator
 
 from fo_gym.bench.bars import CORES, ENVS, JOINTS, LENGTH
-from fo_gym.evaluation.results.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILLION
+from fo_gym.evaluation.results.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILLION, plain_ticks
 from fo_gym.files import draft_of
 
 _PANELS = {
@@ -63,9 +63,7 @@ def _add_linear(axis: Axes, rows: pd.DataFrame, slope: float) -> None:
     axis.set_xticks(points, [f"{point:g}" for point in points])
     axis.xaxis.set_minor_locator(NullLocator())
     low, high = axis.get_ylim()
-    axis.yaxis.set_major_locator(LogLocator(subs=(1.0,) if high > 30.0 * low else (1.0, 2.0, 5.0)))
-    axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axis.yaxis.set_minor_formatter(NullFormatter())
+    plain_ticks(axis.yaxis, *((1.0,) if high > 30.0 * low else (1.0, 2.0, 5.0)))
 
 
 def draw_growth(times: pd.DataFrame, path: Path) -> None:

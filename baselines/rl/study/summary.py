@@ -9,13 +9,14 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from baselines.rl.study.plan import ENVIRONMENTS
 from fo_gym.evaluation.results.statistics import (
     bootstrap_interval,
     interquartile_mean,
     stratified_interval,
     stratified_mean,
 )
-from fo_gym.evaluation.results.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION
+from fo_gym.evaluation.results.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, plain_ticks
 from fo_gym.files import atomic, csv, draft_of, read_csv
 
 SCORES = {"return": "return", "frr": "FRR"}
@@ -87,7 +88,7 @@ def page(lines: pd.DataFrame) -> str:
 
 def figure(points: pd.DataFrame) -> Figure:
     """Learning curves: a row for each score, a column for each environment, a line and its interval for each agent."""
-    env_ids = list(dict.fromkeys(points["env"]))
+    env_ids = [env_id for env_id in ENVIRONMENTS if env_id in set(points["env"])]
     drawing = Figure(figsize=(1.0 + 3.6 * len(env_ids), 5.6), layout="constrained")
     axes = drawing.subplots(len(SCORES), len(env_ids), squeeze=False)
     agents = sorted(set(points["agent"]))
@@ -96,16 +97,20 @@ def figure(points: pd.DataFrame) -> Figure:
             for place, agent in enumerate(agents):
                 line = points[(points["env"] == env_id) & (points["agent"] == agent)]
                 color = _COLORS[place % len(_COLORS)]
-                axis.plot(line["steps"], line[name], "o-", color=color, markersize=3, label=agent)
-                axis.fill_between(line["steps"], line[f"{name}_low"], line[f"{name}_high"], color=color, alpha=0.2)
+                steps = 1e-3 * line["steps"]
+                axis.plot(steps, line[name], "o-", color=color, markersize=3, label=agent)
+                axis.fill_between(steps, line[f"{name}_low"], line[f"{name}_high"], color=color, alpha=0.2)
             axis.set_ylabel(title)
-            axis.set_xlabel("steps")
+            axis.set_xlabel("thousands of steps")
+            axis.set_xscale("log")  # budgets of on-policy and off-policy algorithms are ten times apart
+            plain_ticks(axis.xaxis, 1.0, 2.0, 5.0)
             axis.grid(alpha=0.3)
             if name == "frr":  # what is far below 0 would flatten all that is above
                 axis.set_ylim(-1.0, 1.0)
             else:
                 axis.set_title(env_id)
-    axes[0][-1].legend(fontsize="small")
+    handles, labels = axes[0][0].get_legend_handles_labels()
+    drawing.legend(handles, labels, loc="outside lower center", ncols=len(agents), fontsize="small")
     return drawing
 
 

@@ -6,8 +6,10 @@ import io
 from collections.abc import Sequence
 from pathlib import Path
 
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont, get_font
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from fo_gym.files import draft_of
 from fo_gym.text import one_line
@@ -38,6 +40,7 @@ __all__ = [
     "VERMILLION",
     "figure_of",
     "label",
+    "plain_ticks",
     "save_figure",
 ]
 
@@ -54,6 +57,13 @@ class _Figure(Figure):
 def figure_of(width: float, height: float) -> Figure:
     """An empty figure of this size [in], laid out so that nothing is cut or covered."""
     return _Figure(figsize=(width, height), layout="constrained")
+
+
+def plain_ticks(axis: Axis, *steps: float) -> None:
+    """Mark a logarithmic axis by plain numbers, at these multiples of powers of ten."""
+    axis.set_major_locator(LogLocator(subs=steps))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def label(text: str, limit: int = _LIMIT) -> str:
