@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -158,3 +159,18 @@ def test_there_are_no_more_curves_than_colours(env: str) -> None:
 def test_a_single_competitor_is_drawn_without_references() -> None:
     figure = drawn(trace_figure([trace("a", 0.5)], {}))
     assert figure.axes[0].get_title() == f"{STICTION}, nominal"
+
+
+@pytest.mark.parametrize(("settles", "shown"), [(0.0, 0.0), (8.0, 8.0), (19.9, 15.0)])
+def test_the_magnified_panel_shows_rest_alone_and_as_high_as_it_is(settles: float, shown: float) -> None:
+    """From where the joint would have come to rest, or the last quarter; the motion before is far larger."""
+    own = trace("a", 0.5)
+    time = own.signals["time"]
+    moves = np.float32(time < settles)[:, None]
+    signals = {**own.signals, "theta_ideal": moves * 0.1 * time[:, None], "theta": np.full_like(moves, 1e-5)}
+    figure = drawn(trace_figure([replace(own, signals=signals)], {}))
+    left, right = figure.axes[1].get_xlim()
+    assert left == pytest.approx(shown, abs=0.2)
+    assert right == 20.0
+    if settles < 15.0:
+        assert figure.axes[1].get_ylim() == pytest.approx((-0.013, 0.013), rel=1e-3)  # mm
