@@ -71,6 +71,7 @@ PUBLIC = (
     "fo_gym.checks",
     "fo_gym.console",
     "fo_gym.evaluation.results.statistics",
+    "fo_gym.evaluation.results.style",
     "fo_gym.extras",
     "fo_gym.files",
     "fo_gym.friction",
