@@ -15,7 +15,7 @@ copyright = author  # without a year: the same inputs make the same pages
 version = release = fo_gym.__version__
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "docstrings", "pages"]
-exclude_patterns = ["_build"]
+exclude_patterns = ["_build", "agents/table.md"]
 
 myst_heading_anchors = 4
 myst_url_schemes = {"http": None, "https": None, "file-of-repository": {"url": "{{path}}"}}  # see pages.address

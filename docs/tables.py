@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 from learning.tables import LEARNING  # beside this file
 
+from baselines.rl.study.summary import page as how_far
 from fo_gym.bench.report import write_page
 from fo_gym.evaluation.metrics import METRICS
 from fo_gym.evaluation.metrics.registry import HEADLINE
@@ -148,6 +149,11 @@ def measured(page: str, name: str) -> str:
     return markdown(Ranking("", list(table), cells))
 
 
+def study() -> str:
+    """The study of RL algorithms, as far as it went."""
+    return how_far(_csv("docs/agents/table.csv"))
+
+
 PAGES: dict[str, dict[str, Callable[[], str]]] = {
     "README.md": {"leaderboard": one_variant},
     "docs/leaderboard.md": {"leaderboard": leaderboard, "hardware": hardware},
@@ -159,6 +165,7 @@ PAGES: dict[str, dict[str, Callable[[], str]]] = {
     "docs/processors.md": {"tolerances": tolerances, "chaotic": chaotic},
     "docs/friction.md": {"laws": laws},
     "docs/learning.md": LEARNING,
+    "docs/agents.md": {"study": study},
 }
 """What stands between the marks of each name in each page."""
 

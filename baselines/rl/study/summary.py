@@ -39,8 +39,12 @@ def collect(out: Path) -> pd.DataFrame:
     return pd.concat([read_csv(file.read_text(encoding="utf-8")) for file in files], ignore_index=True)
 
 
+_UNKNOWN = float("nan"), float("nan")
+"""The interval of a single run."""
+
+
 def _row(name: str, values: pd.Series) -> dict[str, float]:
-    low, high = bootstrap_interval(values.to_numpy(), np.random.default_rng(0))
+    low, high = bootstrap_interval(values.to_numpy(), np.random.default_rng(0)) if len(values) > 1 else _UNKNOWN
     return {name: interquartile_mean(values.to_numpy()), f"{name}_low": low, f"{name}_high": high}
 
 
@@ -65,7 +69,8 @@ def table(rows: pd.DataFrame) -> pd.DataFrame:
     together: list[dict[str, Any]] = []
     for agent, group in final.groupby("agent"):
         strata = [each["frr"].to_numpy() for _, each in group.groupby("env")]
-        low, high = stratified_interval(strata, np.random.default_rng(0))
+        several = min(map(len, strata)) > 1
+        low, high = stratified_interval(strata, np.random.default_rng(0)) if several else _UNKNOWN
         shared = {"env": ALL, "agent": agent, "steps": group["steps"].max(), "runs": len(group)}
         together.append({**shared, "frr": stratified_mean(strata), "frr_low": low, "frr_high": high})
     return pd.concat([lines, pd.DataFrame(together)], ignore_index=True)
@@ -74,6 +79,8 @@ def table(rows: pd.DataFrame) -> pd.DataFrame:
 def _cell(line: pd.Series, name: str, digits: int) -> str:
     if np.isnan(line[name]):
         return ""
+    if np.isnan(line[f"{name}_low"]):
+        return f"{line[name]:.{digits}f}"
     return f"{line[name]:.{digits}f} ({line[f'{name}_low']:.{digits}f} ... {line[f'{name}_high']:.{digits}f})"
 
 
