@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
 from fo_gym.bench.bars import CORES, ENVS, JOINTS, LENGTH
-from fo_gym.evaluation.results.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILLION, plain_ticks
+from fo_gym.evaluation.results.style import BLACK, COLOURS, plain_ticks
 from fo_gym.files import draft_of
 
 _PANELS = {
@@ -23,7 +23,6 @@ _PANELS = {
 }
 """What is below each panel, and the power of what takes the same time for each of them, or shares it."""
 
-_COLORS = (BLUE, VERMILLION, GREEN, ORANGE, PURPLE)
 _SIZE = (7.2, 5.6)
 
 __all__ = ["draw_growth", "growth_figure"]
@@ -37,7 +36,7 @@ def growth_figure(times: pd.DataFrame) -> Figure:
     """
     figure = Figure(figsize=_SIZE, layout="constrained")
     envs = list(dict.fromkeys(times["env"]))
-    colors = {env: _COLORS[i % len(_COLORS)] for i, env in enumerate(envs)}
+    colors = {env: COLOURS[i % len(COLOURS)] for i, env in enumerate(envs)}
     for axis, (over, (text, slope)) in zip(figure.subplots(2, 2).flat, _PANELS.items(), strict=True):
         rows = times[times["over"] == over]
         for env, line in rows.groupby("env", sort=False):

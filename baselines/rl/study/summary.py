@@ -16,13 +16,14 @@ from fo_gym.evaluation.results.statistics import (
     stratified_interval,
     stratified_mean,
 )
-from fo_gym.evaluation.results.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, plain_ticks
+from fo_gym.evaluation.results.style import COLOURS, plain_ticks
 from fo_gym.files import atomic, csv, draft_of, read_csv
 
 SCORES = {"return": "return", "frr": "FRR"}
 ALL = "all"
 """Name of all environments together."""
-_COLORS = (BLUE, VERMILLION, GREEN, ORANGE, PURPLE, SKY, BLACK)
+_UNKNOWN = float("nan"), float("nan")
+"""The interval of a single run."""
 
 __all__ = ["ALL", "collect", "curves", "figure", "page", "table", "write_summary"]
 
@@ -37,10 +38,6 @@ def collect(out: Path) -> pd.DataFrame:
     if not files:
         raise ValueError(f"there is no finished run in {out / 'runs'}; run the study first")
     return pd.concat([read_csv(file.read_text(encoding="utf-8")) for file in files], ignore_index=True)
-
-
-_UNKNOWN = float("nan"), float("nan")
-"""The interval of a single run."""
 
 
 def _row(name: str, values: pd.Series) -> dict[str, float]:
@@ -103,7 +100,7 @@ def figure(points: pd.DataFrame) -> Figure:
         for axis, env_id in zip(axes[row], env_ids, strict=True):
             for place, agent in enumerate(agents):
                 line = points[(points["env"] == env_id) & (points["agent"] == agent)]
-                color = _COLORS[place % len(_COLORS)]
+                color = COLOURS[place % len(COLOURS)]
                 steps = 1e-3 * line["steps"]
                 axis.plot(steps, line[name], "o-", color=color, markersize=3, label=agent)
                 axis.fill_between(steps, line[f"{name}_low"], line[f"{name}_high"], color=color, alpha=0.2)

@@ -17,6 +17,8 @@ from fo_gym.text import one_line
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 BLUE, VERMILLION, PURPLE = "#0072B2", "#D55E00", "#CC79A7"
 """Colours of Okabe and Ito, told apart by colour-blind readers (without their yellow, which is pale on white)."""
+COLOURS = (BLUE, VERMILLION, GREEN, ORANGE, PURPLE, SKY, BLACK)
+"""The same in the order in which curves without a colour of their own take them."""
 
 PAGE = 7.2
 """Width of a figure over a page [in]."""
@@ -32,6 +34,7 @@ _METADATA: dict[str, dict[str, None]] = {
 __all__ = [
     "BLACK",
     "BLUE",
+    "COLOURS",
     "GREEN",
     "ORANGE",
     "PAGE",
