@@ -12,6 +12,8 @@ import gymnasium as gym
 import numpy as np
 import pytest
 from safetensors.numpy import load_file, save_file
+from scipy.special import expit
+from scipy.stats import multivariate_normal
 
 import fo_gym
 from baselines.rl.adaptive import AdaptiveCompensator, AdaptiveDesign, rl_adaptive
@@ -137,6 +139,12 @@ class TestMemory:
 
     zero, error, inertia, limit = 0.2, 0.06, 1.2, 150.0
     period = PERIODS[12] * 0.03 * limit / (4000.0 * inertia)
+    precision = np.linspace(-1.0, 1.0, COLUMNS + 2)
+
+    def weights_with(self, **given):
+        """All others are 0."""
+        zeros = {name: np.zeros(shape) for name, shape in SHAPES.items()}
+        return Weights(**(zeros | {name: np.asarray(value, dtype=float) for name, value in given.items()}))
 
     def answer(self, made):
         ones = np.ones((1, 1))
@@ -149,21 +157,46 @@ class TestMemory:
         memory.choose()
         memory.gather()
         memory.explain()
-        return memory, *memory.answer(memory.trust(scales.zero / scales.friction), scales)
+        memory.solve(memory.trust(scales.zero / scales.friction))
+        return memory, *memory.answer(scales)
 
     def test_it_tells_zero_and_inertia_from_friction_and_ripple(self):
         """Whatever the weights: rows that are trusted have one solution. The bank has the ripple's period."""
-        trusting = {name: np.zeros(shape) for name, shape in SHAPES.items()}
-        trusting["trust_level"] = np.full(1, 3.0)
-        memory, zero, error = self.answer(Weights(**trusting))
+        memory, zero, error = self.answer(self.weights_with(trust_level=[3.0]))
         assert zero.item() == pytest.approx(self.zero, abs=0.05)
         assert error.item() == pytest.approx(self.error, abs=0.01)
         assert abs(memory.chosen.item() - 12) <= 2
 
+    def test_the_odds_follow_from_the_densities_at_nothing(self):
+        """Against SciPy: prior density over posterior density where zero and inertia are 0 (Savage and Dickey)."""
+        some = {"trust_level": [-6.0], "precision": self.precision}
+        sure, odd = self.weights_with(**some, odds=[30.0, 0.0]), self.weights_with(**some, odds=[1.0, -3.0])
+        memory, zero, error = self.answer(sure)
+        posterior = memory.posterior[0, 0]
+        mean, covariance = posterior[:, 0], posterior[:, 1:]
+        np.testing.assert_allclose([zero.item() / (6e-4 * self.limit), error.item() / INERTIA], mean, rtol=1e-9)
+        before = multivariate_normal([0.0, 0.0], np.diag(np.exp(-self.precision[:2]))).logpdf([0.0, 0.0])
+        after = multivariate_normal(mean, covariance).logpdf([0.0, 0.0])
+        share = expit(1.0 + np.exp(-3.0) * (before - after))
+        assert 0.1 < share < 0.99
+        _, less, smaller = self.answer(odd)
+        np.testing.assert_allclose([less / zero, smaller / error], share, rtol=1e-9)
+
+    def test_what_looks_exact_is_taken_for_exact(self):
+        """The same motion without zero and error, and odds against them: nothing is corrected; with them, all of it."""
+        wary = self.weights_with(trust_level=[3.0], odds=[-4.0, 0.0])
+        _, zero, error = self.answer(wary)
+        assert zero.item() == pytest.approx(self.zero, abs=0.05)
+        assert error.item() == pytest.approx(self.error, abs=0.01)
+        exact = TestMemory()
+        exact.zero = exact.error = 0.0
+        naive, wary = (self.weights_with(trust_level=[-6.0], odds=[level, 0.0]) for level in (30.0, -4.0))
+        (_, *believed), (_, *doubted) = exact.answer(naive), exact.answer(wary)
+        assert np.abs(doubted).max() > 0.0
+        assert (np.abs(doubted) < 0.1 * np.abs(believed)).all()
+
     def test_who_trusts_nothing_learns_nothing(self):
-        doubting = {name: np.zeros(shape) for name, shape in SHAPES.items()}
-        doubting["trust_level"] = np.full(1, -20.0)
-        _, zero, error = self.answer(Weights(**doubting))
+        _, zero, error = self.answer(self.weights_with(trust_level=[-20.0]))
         assert abs(zero.item()) < 1e-3 * self.zero
         assert abs(error.item()) < 1e-3
 

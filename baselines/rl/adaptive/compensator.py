@@ -167,7 +167,9 @@ class AdaptiveCompensator:
         elif phase == 8 and answers:
             self._trust = memory.trust(self._scales.zero / self._scales.friction)
         elif phase == 9 and answers:
-            self._believe(*memory.answer(self._trust, self._scales))
+            memory.solve(self._trust)
+        elif phase == 9:
+            self._believe(*memory.answer(self._scales))
 
     def _believe(self, zero: Array, error: Array) -> None:
         """From now on, within the bounds."""

@@ -23,8 +23,8 @@ class AdaptiveDesign:
     """
 
     L: float = 220.0
-    Lp: float = 40.0
-    Li: float = 600.0
+    Lp: float = 60.0
+    Li: float = 200.0
     period: float = 1e-2
     longest_delay: float = 8e-3
     largest_zero: float = 0.02

@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 
 BANK = len(PERIODS)
 LEAST = 1e-6
-"""Of a mean square, so that it has a logarithm."""
+"""Of a mean square, and of a determinant beside its diagonal, so that they have logarithms."""
 SOFT, SOFTER = 0.1, 0.01
 """Shares of the prior's precision, where a period is chosen, and where it is measured what rows leave unexplained."""
 STRETCH = 0.3
@@ -30,12 +30,21 @@ class Memory:
 
     The ripple's two columns are those of the period in the bank that explains most of what the others leave.
 
+    A robot whose signals are exact is no unlikely corner of that prior, but a case of its own, in which zero and
+    inertia are 0. The evidence against it is the Savage-Dickey ratio of their densities there, before and after:
+
+        log p(0) - log p(0 | rows) = (m^T C^-1 m + log(det C det P)) / 2
+
+    with their posterior mean m and covariance C, and their prior precision P. What is answered is m times the
+    probability that follows.
+
     Args:
         weights: what was learned.
         shape: of the batch, (num_envs, dof).
 
     Attributes:
         chosen: place in the bank of each joint's period, (num_envs, dof).
+        posterior: of zero and inertia, in units: its mean, then its covariance, (num_envs, dof, 2, 3).
     """
 
     def __init__(self, weights: Weights, shape: tuple[int, ...]) -> None:
@@ -50,6 +59,9 @@ class Memory:
         self.chosen = np.zeros(shape, dtype=np.intp)
         self._row = np.zeros((*shape, COLUMNS + 1 + 2 * BANK))
         self._system = np.zeros((*shape, COLUMNS + 2, COLUMNS + 2)), np.zeros((*shape, COLUMNS + 2))
+        self._sought = np.zeros((*shape, COLUMNS + 2, 3))
+        self._sought[..., 0, 1] = self._sought[..., 1, 2] = 1.0
+        self.solve(np.zeros(shape))
 
     def weigh(self, row: Row) -> None:
         """Say what a row is worth."""
@@ -126,11 +138,25 @@ class Memory:
         summary[..., 5] = np.log(zero)
         return self.weights.trust(STRETCH * summary) / self._left
 
-    def answer(self, trust: Array, scales: Scales) -> tuple[Array, Array]:
-        """The zero [N | N m], and the share of B by which it is believed too large, (num_envs, dof) each."""
+    def solve(self, trust: Array) -> None:
+        """Find the posterior of zero and inertia, with so much trust in the rows so far, (num_envs, dof)."""
         matrix, right = self._system
-        coefficients = _solved(matrix * trust[..., None, None] + self._prior, right * trust[..., None])
-        return coefficients[..., 0] * scales.zero, coefficients[..., 1] * INERTIA
+        self._sought[..., 0] = right * trust[..., None]
+        self.posterior = np.linalg.solve(matrix * trust[..., None, None] + self._prior, self._sought)[..., :2, :]
+
+    def answer(self, scales: Scales) -> tuple[Array, Array]:
+        """The zero [N | N m], and the share of B by which it is believed too large, (num_envs, dof) each."""
+        zero, inertia = self.posterior[..., 0, 0], self.posterior[..., 1, 0]
+        share = self._share(zero, inertia, self.posterior[..., 1:])
+        return share * zero * scales.zero, share * inertia * INERTIA
+
+    def _share(self, zero: Array, inertia: Array, covariance: Array) -> Array:
+        """Probability that there is anything but friction, (num_envs, dof), by the posterior of the two."""
+        a, b, c = covariance[..., 0, 0], covariance[..., 1, 1], covariance[..., 0, 1]
+        area = np.maximum(a * b - c**2, LEAST * a * b)  # above 0, however alike the two look
+        squared = (b * zero**2 - 2.0 * c * zero * inertia + a * inertia**2) / area
+        evidence = 0.5 * (squared + np.log(area * self._prior[0, 0] * self._prior[1, 1]))
+        return self.weights.probability(evidence)
 
 
 def _solved(matrix: Array, right: Array) -> Array:

@@ -47,6 +47,7 @@ class Model(nn.Module):
     trust_level: nn.Parameter
     mean: nn.Parameter
     precision: nn.Parameter
+    odds: nn.Parameter
 
     def __init__(self, seed: int) -> None:
         super().__init__()
@@ -58,6 +59,7 @@ class Model(nn.Module):
         start["row_level"] -= 1.0
         start["trust_level"] -= 2.0
         start["precision"][2:] -= 1.0
+        start["odds"][0] += 1.0
         for name, value in start.items():
             setattr(self, name, nn.Parameter(value))
 
@@ -109,7 +111,18 @@ class Model(nn.Module):
         hidden = torch.tanh(STRETCH * torch.stack(summary, dim=-1) @ self.trust_in + self.trust_bias)
         trust = torch.exp(torch.clamp(hidden @ self.trust_out + self.trust_level, -20.0, 20.0)) / left
         trusted = matrix * trust[..., None, None] + torch.diag(precision)
-        return torch.linalg.solve(trusted, right * trust[..., None])[..., :2]
+        unit = torch.eye(COLUMNS + 2)[:, :2].expand(*right.shape, 2)
+        solved = torch.linalg.solve(trusted, torch.cat([(right * trust[..., None])[..., None], unit], dim=-1))
+        return solved[..., :2, 0] * self._share(solved[..., :2, 0], solved[..., :2, 1:])[..., None]
+
+    def _share(self, mean: Tensor, covariance: Tensor) -> Tensor:
+        """Probability that there is anything but friction, as `Memory` computes it."""
+        zero, inertia = mean.unbind(-1)
+        a, b, c = covariance[..., 0, 0], covariance[..., 1, 1], covariance[..., 0, 1]
+        area = torch.maximum(a * b - c**2, LEAST * a * b)
+        squared = (b * zero**2 - 2.0 * c * zero * inertia + a * inertia**2) / area
+        evidence = 0.5 * (squared + torch.log(area) + self.precision[:2].sum())
+        return torch.sigmoid(self.odds[0] + torch.exp(self.odds[1]) * evidence)
 
 
 def _chosen(sums: Tensor, precision: Tensor) -> Tensor:

@@ -74,9 +74,9 @@ def _page(card: Mapping[str, Any]) -> str:
         f"about what is not friction, on episodes of its own (DAgger), seed {plan['seed']}; weights: `{POLICY}`, "
         f"sha256 `{card['sha256']}`.",
         "",
-        f"* Best of {plan['segments']} segments: number {card['segment']}. Best means the largest mean FRR on "
-        f"{plan['validation_seeds']} validation seeds of the single link in the variant `hardware`.",
-        f"* There: mean FRR {scores['frr_mean']:.4f}, worst {scores['frr_worst']:.4f}.",
+        f"* After segment {card['segment']} of {plan['segments']}: mean FRR {scores['frr_mean']:.4f}, worst "
+        f"{scores['frr_worst']:.4f}, on {plan['validation_seeds']} validation seeds of the single link in the variant "
+        "`hardware`.",
         "* Versions: " + ", ".join(f"{name} {number}" for name, number in card["versions"].items()) + ".",
         "",
         "## Training draws",

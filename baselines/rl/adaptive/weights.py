@@ -32,13 +32,14 @@ SHAPES = {
     "trust_level": (1,),
     "mean": (COLUMNS - 2,),
     "precision": (COLUMNS + 2,),
+    "odds": (2,),
 }
 """Of the tensors, by name."""
 
 
 @dataclass(frozen=True, eq=False)
 class Weights:
-    """Two small networks with one hidden layer (tanh) each, and a prior.
+    """Two small networks with one hidden layer (tanh) each, and what was to be expected.
 
     Attributes:
         row_in, row_bias, row_out, row_level: of the network that gives the logarithm of a row's weight.
@@ -47,6 +48,8 @@ class Weights:
             are as likely above as below 0.
         precision: logarithms of one over the variances of all coefficients: columns of a row, then sine and cosine of
             the ripple.
+        odds: that there is anything but friction: their logarithm before anything was seen, and the logarithm of the
+            factor on what the evidence adds to it.
     """
 
     row_in: Array
@@ -59,6 +62,7 @@ class Weights:
     trust_level: Array
     mean: Array
     precision: Array
+    odds: Array
 
     def __post_init__(self) -> None:
         for name, shape in SHAPES.items():
@@ -77,6 +81,11 @@ class Weights:
         """In all rows of joints with this summary (..., len(SUMMARY)), above 0."""
         hidden = np.tanh(summary @ self.trust_in + self.trust_bias)
         return np.asarray(np.exp(np.clip(hidden @ self.trust_out + self.trust_level, -20.0, 20.0)))
+
+    def probability(self, evidence: Array) -> Array:
+        """That there is anything but friction, by the logarithm of what rows say for it, 0 to 1."""
+        level, factor = self.odds
+        return np.asarray(1.0 / (1.0 + np.exp(-np.clip(level + np.exp(factor) * evidence, -30.0, 30.0))))
 
     def tensors(self) -> dict[str, NDArray[np.float32]]:
         """The weights by name, as they were trained."""
