@@ -29,9 +29,9 @@ def train(
 ) -> None:
     """Train a compensator for one joint, shared by all joints: a policy, or one that learns what is not friction.
 
-    Validation and a checkpoint follow every segment; the best weights are kept as policy.safetensors, with a model
-    card, the learning curve, and a compensator.py to score them with. Run the same command again to go on after a
-    kill. The shipped weights come from the first three commands below.
+    Validation and a checkpoint follow every segment; the best weights (with --adaptive the last) are kept as
+    policy.safetensors, with a model card, the learning curve, and a compensator.py to score them with. Run the same
+    command again to go on after a kill. The shipped weights come from the first three commands below.
 
     Examples:
         fo-gym train --out build/rl-residual
@@ -47,19 +47,19 @@ def train(
     check_folder("--out", out)
     try:
         if not adaptive:
-            best = _policy(out, env, algo, seed, direct, segments, tensorboard)
+            file = _policy(out, env, algo, seed, direct, segments, tensorboard)
         elif direct or tensorboard is not None or (env, algo) != ("FJRStiction-v0", "ppo"):
             raise Stop(
                 "--adaptive has robots, tasks and a way to learn of its own; leave --env, --algo, --direct and "
                 "--tensorboard out"
             )
         else:
-            best = _adaptive(out, seed, segments)
+            file = _adaptive(out, seed, segments)
     except ModuleNotFoundError as error:
         raise Stop(f"{error}; install what `fo-gym train` needs with: {install_command('rl')}") from error
     except (ValueError, ImportError) as error:
         raise Stop(str(error)) from error
-    tell_written([best, *(best.with_name(name) for name in ("card.md", "curve.csv", "curve.png", "compensator.py"))])
+    tell_written([file, *(file.with_name(name) for name in ("card.md", "curve.csv", "curve.png", "compensator.py"))])
 
 
 def _policy(

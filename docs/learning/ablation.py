@@ -10,11 +10,12 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from adaptive import LAWS  # beside this file
+from adaptive import LAWS, TWO_LINKS  # beside this file
 
 import fo_gym
 from baselines.rl.adaptive import AdaptiveCompensator, AdaptiveDesign
@@ -35,16 +36,18 @@ TRAININGS = {
     "trained on the single link alone": Shares(links=1.0),
     "trained on random chains alone": Shares(links=0.0),
 }
+HARDWARE, EXACT = "hardware", "randomized"
 EPISODES = {
-    "link": ("FJRStiction-v0", {}),
-    "regulation": ("FJRRegulation-v0", {}),
-    "square": ("FJRSquare-v0", {}),
+    "link": ("FJRStiction-v0", HARDWARE, {}),
+    "regulation": ("FJRRegulation-v0", HARDWARE, {}),
+    "square": ("FJRSquare-v0", HARDWARE, {}),
     **{
-        f"square, {law.__name__}": ("FJRSquare-v0", {"friction": law.like(robot_of("miro_like").friction)})
+        f"square, {law.__name__}": ("FJRSquare-v0", HARDWARE, {"friction": law.like(robot_of("miro_like").friction)})
         for law in LAWS
     },
+    "two_links, exact signals": ("FJRRegulation-v0", EXACT, {"robot": TWO_LINKS}),
 }
-"""All of the variant hardware."""
+"""Environment, variant and arguments."""
 
 
 class Forgetful(AdaptiveCompensator):
@@ -66,6 +69,7 @@ def competitors(build: Path) -> dict[str, Callable[[], AdaptiveCompensator]]:
         "nothing learned: the observer beneath": lambda: AdaptiveCompensator(design, None),
         "a regression that trusts all rows alike": lambda: AdaptiveCompensator(AdaptiveDesign(), _alike()),
         "a memory of one second": lambda: Forgetful(design, weights),
+        "it is sure that signals are not exact": lambda: AdaptiveCompensator(design, _sure(weights)),
     }
     for name, shares in TRAININGS.items():
         out = build / name.replace(" ", "-")
@@ -79,6 +83,12 @@ def _alike() -> Weights:
     return Weights(**{name: np.zeros(shape) for name, shape in SHAPES.items()})
 
 
+def _sure(weights: Weights | None) -> Weights:
+    """All of what the regression finds is corrected."""
+    assert weights is not None
+    return replace(weights, odds=np.array([30.0, 0.0]))
+
+
 def _said(label: str, steps: int) -> None:
     if steps == 0:
         print(label, file=sys.stderr)
@@ -88,9 +98,9 @@ def main(build: str) -> None:
     """Write the table: mean 1 - FRR by competitor and episodes."""
     rows = []
     for name, make in competitors(Path(build)).items():
-        row: dict[str, object] = {"": name}
-        for column, (env_id, kwargs) in EPISODES.items():
-            table = fo_gym.evaluate(make(), env_id, variant="hardware", seeds=SEEDS, physics_dt="auto", **kwargs)
+        row: dict[str, object] = {"compensator": name}
+        for column, (env_id, variant, kwargs) in EPISODES.items():
+            table = fo_gym.evaluate(make(), env_id, variant=variant, seeds=SEEDS, physics_dt="auto", **kwargs)
             row[column] = float(f"{1.0 - table['frr'].mean():.6g}")
         rows.append(row)
         print(f"measured {row}", file=sys.stderr)
