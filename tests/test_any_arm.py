@@ -10,6 +10,7 @@ import pytest
 from any_arm import CLASSICAL, INTERACTION, TASKS, check_interface, scores
 
 import fo_gym
+from baselines.rl.adaptive import AdaptiveCompensator, rl_adaptive
 from fo_gym.envs.registry import ENVIRONMENTS
 from fo_gym.evaluation.runs.episodes import EpisodeSet, place_of
 from fo_gym.robots import Robot, robot_of
@@ -47,6 +48,20 @@ def test_a_hand_that_guides_it_feels_little_of_its_friction(arm: str) -> None:
     assert row["status"] == "ok"
     assert row["hand_friction_work_ratio"] < 0.2
     assert row["hand_passivity_violation_ratio"] == 0.0
+
+
+@pytest.mark.slow
+@every_arm
+def test_what_the_adaptive_compensator_learns_makes_it_follow_better_and_never_swing(arm: str) -> None:
+    """As imperfect as robots are, on an arm that nobody trained on: ur5e swings where learning raises the gains."""
+    shipped = rl_adaptive()
+    kwargs = {"variant": "hardware", "seeds": 6, "robot": str(file_of(arm)), "physics_dt": "auto"}
+    learned, beneath = (
+        fo_gym.evaluate(AdaptiveCompensator(shipped.design, weights), "FJRTracking-v0", **kwargs)["frr"]
+        for weights in (shipped.weights, None)
+    )
+    assert learned.min() > 0.95
+    assert learned.mean() > beneath.mean()
 
 
 @pytest.mark.slow

@@ -32,13 +32,13 @@ __all__ = ["SHIPPED", "AdaptiveCompensator", "rl_adaptive"]
 class AdaptiveCompensator:
     """The PID-type observer of arXiv:1907.00553, around a nominal motor that allows for what is not friction.
 
-        tau_f_hat = -B L (e' + L_p e + L_i int e) + K_p e + K_d e',        e = theta_n - theta
+        tau_f_hat = -min(B, B^) L (e' + L_p e + L_i int e) + K_p e + K_d e',     e = theta_n - theta
         B^ theta_n'' = tau_c(late) - K_p e - K_d e' - (tau_j - zero),      B^ = (1 - error) B
 
     The controller gets the measured motor; K_p and K_d, which this compensator sees in tau_c, make of that what it
     would say of the nominal motor: with zero = error = 0 this is nominal feedback, wherever each joint has a gain of
-    its own. `late` is the delay of commands, which shows in the torques that were applied. The gains stay what they
-    are: with B^ in their place what is learned could make a fast joint swing.
+    its own. `late` is the delay of commands, which shows in the torques that were applied. What is learned never
+    raises the gains, neither as such nor over B^: with B alone, or B^ alone, fast joints and late commands may swing.
 
     `zero`, of the torque sensor, and `error`, of what is believed of B, are not friction, and an observer takes them
     for it. They are learned slowly, from blocks of readings: see `Rows` for what a block says, `Memory` for what all of
@@ -178,6 +178,7 @@ class AdaptiveCompensator:
         self.zero = np.minimum(np.maximum(zero, -bound), bound)
         self.error = np.minimum(np.maximum(error, -most), most)
         self._inertia = (1.0 - self.error) * self._believed
+        self._gain = self.design.L * np.minimum(self._inertia, self._believed)
 
 
 def rl_adaptive(weights: str | Path = SHIPPED / "policy.safetensors") -> AdaptiveCompensator:
