@@ -71,6 +71,16 @@ class TestObserver:
         assert (np.abs(wild.zero) <= 0.02 * joints.torque_limit).all()
         assert (np.abs(wild.error) <= 0.18).all()
 
+    @pytest.mark.parametrize("scale", [0.1, 3.0])
+    def test_what_is_learned_never_raises_the_gains(self, scale):
+        """Neither above B L nor above B^ L, whatever was learned."""
+        compensator = AdaptiveCompensator(AdaptiveDesign(), weights(scale=scale))
+        _, joints, _ = played(compensator)
+        believed = compensator.design.L * joints.motor_inertia
+        assert (compensator.error < 0.0).any()
+        assert (compensator.error > 0.0).any()
+        assert (compensator._gain <= believed * np.minimum(1.0, 1.0 - compensator.error) * (1.0 + 1e-12)).all()
+
     def test_the_correction_is_what_was_learned(self):
         compensator = AdaptiveCompensator(AdaptiveDesign(), weights())
         played(compensator)
@@ -183,15 +193,15 @@ class TestMemory:
         np.testing.assert_allclose([less / zero, smaller / error], share, rtol=1e-9)
 
     def test_what_looks_exact_is_taken_for_exact(self):
-        """The same motion without zero and error, and odds against them: nothing is corrected; with them, all of it."""
-        wary = self.weights_with(trust_level=[3.0], odds=[-4.0, 0.0])
-        _, zero, error = self.answer(wary)
+        """By the same weights, a motion with zero and error is corrected in full, and one without hardly at all."""
+        even = self.weights_with(trust_level=[3.0])
+        _, zero, error = self.answer(even)
         assert zero.item() == pytest.approx(self.zero, abs=0.05)
         assert error.item() == pytest.approx(self.error, abs=0.01)
         exact = TestMemory()
         exact.zero = exact.error = 0.0
-        naive, wary = (self.weights_with(trust_level=[-6.0], odds=[level, 0.0]) for level in (30.0, -4.0))
-        (_, *believed), (_, *doubted) = exact.answer(naive), exact.answer(wary)
+        sure = self.weights_with(trust_level=[3.0], odds=[30.0, 0.0])
+        (_, *believed), (_, *doubted) = exact.answer(sure), exact.answer(even)
         assert np.abs(doubted).max() > 0.0
         assert (np.abs(doubted) < 0.1 * np.abs(believed)).all()
 
@@ -211,6 +221,7 @@ class TestMemory:
         from baselines.rl.adaptive.model import Model, episodes_of  # noqa: PLC0415
 
         model = Model(0)
+        model.odds.data = torch.tensor([0.0, -3.0])  # else so much evidence makes the share 1
         _, zero, error = self.answer(model.weights())
         blocks = np.array([[part.item() for part in block] for block in self.blocks()], dtype=np.float32)[None]
         scales = np.array([[self.inertia, 0.03 * self.limit, 6e-4 * self.limit]], dtype=np.float32)

@@ -169,7 +169,7 @@ class AdaptiveCompensator:
             self._trust = memory.trust(self._scales.zero / self._scales.friction)
         elif phase == 9 and answers:
             memory.solve(self._trust)
-        elif phase == 9:
+        elif phase == 9:  # of the block after the one whose rows were solved
             self._believe(*memory.answer(self._scales))
 
     def _believe(self, zero: Array, error: Array) -> None:
@@ -182,5 +182,5 @@ class AdaptiveCompensator:
 
 
 def rl_adaptive(weights: str | Path = SHIPPED / "policy.safetensors") -> AdaptiveCompensator:
-    """The adaptive compensator, trained on the single link and on random chains of the variant `hardware`."""
+    """The adaptive compensator, trained on the single link and on random chains."""
     return AdaptiveCompensator.load(weights)

@@ -57,7 +57,7 @@ DELAYS, LOAD = (0, 1, 2, 3), (0.0, 0.15)
 BELIEFS = ModelError(motor_inertia=(0.87, 1.15), stiffness=(0.85, 1.15), mass=(0.85, 1.05))
 
 _LEVEL = 0.25
-"""Share of the chains that gravity does not load, as where an arm lies level."""
+"""Share of the chains without gravity, as if every axis were vertical."""
 
 __all__ = ["Shares", "described", "random_chain", "training_batch"]
 

@@ -30,13 +30,14 @@ class Memory:
 
     The ripple's two columns are those of the period in the bank that explains most of what the others leave.
 
-    A robot whose signals are exact is no unlikely corner of that prior, but a case of its own, in which zero and
-    inertia are 0. The evidence against it is the Savage-Dickey ratio of their densities there, before and after:
+    A joint whose signals are exact is no unlikely corner of that prior, but a case of its own, in which zero and
+    inertia are 0. The evidence against that case is the Savage-Dickey ratio of their densities there:
 
-        log p(0) - log p(0 | rows) = (m^T C^-1 m + log(det C det P)) / 2
+        evidence = log p(0) - log p(0 | rows) = (m^T C^-1 m + log(det C det P)) / 2
 
-    with their posterior mean m and covariance C, and their prior precision P. What is answered is m times the
-    probability that follows.
+    with their posterior mean m and covariance C, and their prior precision P. What is answered is m times the share
+    1 / (1 + exp(-odds_0 - exp(odds_1) evidence)). The odds were learned, for what errors cost: no calibrated
+    probability.
 
     Args:
         weights: what was learned.
@@ -151,12 +152,12 @@ class Memory:
         return share * zero * scales.zero, share * inertia * INERTIA
 
     def _share(self, zero: Array, inertia: Array, covariance: Array) -> Array:
-        """Probability that there is anything but friction, (num_envs, dof), by the posterior of the two."""
+        """What is answered of the posterior mean, (num_envs, dof), 0 to 1."""
         a, b, c = covariance[..., 0, 0], covariance[..., 1, 1], covariance[..., 0, 1]
         area = np.maximum(a * b - c**2, LEAST * a * b)  # above 0, however alike the two look
         squared = (b * zero**2 - 2.0 * c * zero * inertia + a * inertia**2) / area
         evidence = 0.5 * (squared + np.log(area * self._prior[0, 0] * self._prior[1, 1]))
-        return self.weights.probability(evidence)
+        return self.weights.share(evidence)
 
 
 def _solved(matrix: Array, right: Array) -> Array:

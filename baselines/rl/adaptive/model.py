@@ -111,12 +111,12 @@ class Model(nn.Module):
         hidden = torch.tanh(STRETCH * torch.stack(summary, dim=-1) @ self.trust_in + self.trust_bias)
         trust = torch.exp(torch.clamp(hidden @ self.trust_out + self.trust_level, -20.0, 20.0)) / left
         trusted = matrix * trust[..., None, None] + torch.diag(precision)
-        unit = torch.eye(COLUMNS + 2)[:, :2].expand(*right.shape, 2)
-        solved = torch.linalg.solve(trusted, torch.cat([(right * trust[..., None])[..., None], unit], dim=-1))
+        sought = torch.eye(COLUMNS + 2)[:, :2].expand(*right.shape, 2)
+        solved = torch.linalg.solve(trusted, torch.cat([(right * trust[..., None])[..., None], sought], dim=-1))
         return solved[..., :2, 0] * self._share(solved[..., :2, 0], solved[..., :2, 1:])[..., None]
 
     def _share(self, mean: Tensor, covariance: Tensor) -> Tensor:
-        """Probability that there is anything but friction, as `Memory` computes it."""
+        """What is answered of the posterior mean, as `Memory` computes it."""
         zero, inertia = mean.unbind(-1)
         a, b, c = covariance[..., 0, 0], covariance[..., 1, 1], covariance[..., 0, 1]
         area = torch.maximum(a * b - c**2, LEAST * a * b)

@@ -34,7 +34,7 @@ _JOINTS, _ENDS = 64, 8
 _SMALL = 0.05
 """Of an error in units: the loss is its size, but round within this."""
 _EXACT = 5.0
-"""How often an error counts where there is nothing but friction: the observer beneath errs least there."""
+"""How many times an error counts where there is nothing but friction: the observer beneath errs least there."""
 _THREADS = 1  # the same everywhere: sums in another order are other weights
 
 __all__ = ["SEGMENTS", "AdaptivePlan", "train_adaptive"]
@@ -162,8 +162,8 @@ class _Run:
 def train_adaptive(plan: AdaptivePlan, out: Path, *, on_steps: OnSteps | None = None) -> Path:
     """Train, or go on training, in the folder `out`; returns the file of the weights.
 
-    They are those of the last segment: the steps become smaller until they are nothing, and what validation says of
-    segments differs by less than its episodes do. Until then the file holds those of the last segment so far.
+    They are those of the last segment: steps become smaller, down to a fiftieth, and the validation scores of segments
+    differ by far less than those of its episodes. Until then the file holds those of the last segment so far.
 
     Args:
         plan: what is asked for.

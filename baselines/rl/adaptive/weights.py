@@ -49,7 +49,7 @@ class Weights:
         precision: logarithms of one over the variances of all coefficients: columns of a row, then sine and cosine of
             the ripple.
         odds: that there is anything but friction: their logarithm before anything was seen, and the logarithm of the
-            factor on what the evidence adds to it.
+            factor on the evidence that is added to it, see `Memory`.
     """
 
     row_in: Array
@@ -82,8 +82,8 @@ class Weights:
         hidden = np.tanh(summary @ self.trust_in + self.trust_bias)
         return np.asarray(np.exp(np.clip(hidden @ self.trust_out + self.trust_level, -20.0, 20.0)))
 
-    def probability(self, evidence: Array) -> Array:
-        """That there is anything but friction, by the logarithm of what rows say for it, 0 to 1."""
+    def share(self, evidence: Array) -> Array:
+        """Of a correction that is made, by the evidence that there is anything but friction, 0 to 1."""
         level, factor = self.odds
         return np.asarray(1.0 / (1.0 + np.exp(-np.clip(level + np.exp(factor) * evidence, -30.0, 30.0))))
 
