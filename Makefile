@@ -30,7 +30,7 @@ train: $(VENV)/.rl  ## train the learned compensators as they are shipped, to bu
 	$(BIN)/fo-gym train --direct --segments 12 --out build/train/rl-direct
 	$(BIN)/fo-gym train --adaptive --out build/train/rl-adaptive
 
-study: $(VENV)/.rl  ## compare six RL algorithms on three environments, to build/study (a night; goes on after a kill)
+study: $(VENV)/.rl  ## compare six RL algorithms on three environments, to build/study (some hours; goes on after a kill)
 	$(BIN)/python -m baselines.rl.study --out build/study
 
 # Every classical row with free gains, published or ours; the same budget for each.
@@ -93,7 +93,7 @@ publish: $(VENV)/.dev system  ## run leaderboard and reproduction, write leaderb
 publish-laws: $(VENV)/.dev  ## run the leaderboard under each friction law, write leaderboard/laws/
 	$(BIN)/fo-gym leaderboard --protocol laws --out leaderboard/laws
 
-publish-study: $(VENV)/.rl  ## run the study of RL algorithms, to docs/agents/ (a night; goes on after a kill)
+publish-study: $(VENV)/.rl  ## run the study of RL algorithms, to docs/agents/ (some hours; goes on after a kill)
 	$(BIN)/python -m baselines.rl.study --out docs/agents
 
 publish-pages: $(VENV)/.dev system  ## redraw the pictures and the tables of README and docs/
