@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import gymnasium as gym
@@ -53,7 +53,7 @@ class VecEnvAdapter(VecEnv):
     def reset(self) -> NDArray[Any]:
         """Start an episode everywhere, with the seeds and options given since the last reset."""
         seeds: Any = None if all(seed is None for seed in self._seeds) else list(self._seeds)
-        if any(options != self._options[0] for options in self._options):
+        if not all(_equal(options, self._options[0]) for options in self._options):
             raise ValueError("options differ between environments; one batch takes the same for all")
         obs, _ = self.env.reset(seed=seeds, options=self._options[0] or None)
         self.reset_infos = [{} for _ in range(self.num_envs)]
@@ -90,8 +90,11 @@ class VecEnvAdapter(VecEnv):
 
     def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
         """The batch's attribute, once for every index."""
-        value = getattr(self.env, attr_name) if hasattr(self.env, attr_name) else getattr(self.env.unwrapped, attr_name)
-        return [value for _ in self._get_indices(indices)]
+        return [self._found(attr_name)] * len(list(self._get_indices(indices)))
+
+    def _found(self, name: str) -> Any:
+        """What the wrapper has of this name, or else the batch itself."""
+        return getattr(self.env if hasattr(self.env, name) else self.env.unwrapped, name)
 
     def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
         """Set the batch's attribute.
@@ -105,7 +108,7 @@ class VecEnvAdapter(VecEnv):
 
     def env_method(self, method_name: str, *args: Any, indices: VecEnvIndices = None, **kwargs: Any) -> list[Any]:
         """Call the batch's method once; its result, once for every index."""
-        result = getattr(self.env, method_name)(*args, **kwargs)
+        result = self._found(method_name)(*args, **kwargs)
         return [result for _ in self._get_indices(indices)]
 
     def env_is_wrapped(self, wrapper_class: type[Any], indices: VecEnvIndices = None) -> list[bool]:
@@ -116,6 +119,13 @@ class VecEnvAdapter(VecEnv):
             env = env.env
             found = isinstance(env, wrapper_class)
         return [found for _ in self._get_indices(indices)]
+
+
+def _equal(one: Any, other: Any) -> bool:
+    """Whether two options of a reset are the same: mappings, or values that may be arrays."""
+    if isinstance(one, Mapping) and isinstance(other, Mapping):
+        return one.keys() == other.keys() and all(_equal(one[name], other[name]) for name in one)
+    return np.array_equal(one, other)
 
 
 def make_vec_env(

@@ -21,6 +21,6 @@ def synthetic(
     """Episodes with these friction rejection ratios, as `evaluate` would give them."""
     parts = []
     for name, values in frr.items():
-        part = failed_rows(EpisodeSet(env, variant, tuple(range(len(values))), {}), name, "", "p@0")
-        parts.append(part.assign(frr=values, status="ok", joint_unit="rad", **columns))
+        part = failed_rows(EpisodeSet(env, variant, tuple(range(len(values))), {}), name, "")
+        parts.append(part.assign(frr=values, status="ok", joint_unit="rad", protocol="p@0", **columns))
     return pd.concat(parts, ignore_index=True)

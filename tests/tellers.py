@@ -22,6 +22,22 @@ class Half(PIDObserver):
         return {"half": 0.5 * self.told, "where": np.broadcast_to(np.arange(len(self.told))[:, None], self.told.shape)}
 
 
+class Twice(Half):
+    """It tells something of its first two estimates, and nothing of the others."""
+
+    def reset(self, joints, num_envs):
+        super().reset(joints, num_envs)
+        self.ticks = 0
+
+    def estimate(self, signals):
+        self.ticks += 1
+        return super().estimate(signals)
+
+    @property
+    def diagnostics(self):
+        return super().diagnostics if self.ticks <= 2 else {}
+
+
 class Short(Half):
     @property
     def diagnostics(self):

@@ -207,6 +207,16 @@ def test_an_entry_is_evaluated_as_any_other(folder: Path) -> None:
     assert set(table_rows(result.out)) == {"m", "none", "ideal", "bound", *SIX}
 
 
+def test_an_entry_may_have_gains_for_ones_own_environment(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("fo_gym.envs.registry.ENVIRONMENTS", dict(fo_gym.ENVIRONMENTS))
+    task = "fo_gym.Task(fo_gym.Step(size=0.05), duration=0.1)"
+    (folder / "own.py").write_text(f'import fo_gym\n\nfo_gym.register("OfAnEntry-v0", "single_link", {task})\n')
+    entry = 'spec = "eso"\nauthors = ["Me"]\nlink = ""\n[[sets]]\nenv = "OfAnEntry-v0"\nvariant = "nominal"\n'
+    (folder / "for_own.toml").write_text(f"{entry}gains = {{ bandwidth = -1.0 }}\n")
+    result = run("evaluate", "for_own.toml", "--env", "own.py:OfAnEntry-v0", "--baselines", "none", "--jobs", "1")
+    assert "bandwidth is -1.0; it must be finite and above 0" in result.err, "it has these gains"
+
+
 # leaderboard
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tables import STICTION
-from tellers import Half, Short
+from tellers import Half, Short, Twice
 
 import fo_gym
 from fo_gym.evaluation.competitors.competitor import Competitor
@@ -29,6 +29,13 @@ def test_a_trace_has_what_was_said(teller):
     assert own(trace) == {f"{DIAGNOSTIC}half", f"{DIAGNOSTIC}where"}
     np.testing.assert_allclose(trace.signals[f"{DIAGNOSTIC}half"], 0.5 * trace.signals["tau_f_hat"], rtol=1e-6)
     assert np.ptp(trace.signals["tau_f_hat"]) > 0.0
+
+
+@pytest.mark.parametrize("teller", [Twice, f"{TELLERS}:Twice"], ids=["here", "in a process of its own"])
+def test_where_nothing_is_said_there_is_no_number(teller):
+    trace = fo_gym.trace(teller, STICTION, duration=0.1)
+    said = np.isfinite(trace.signals[f"{DIAGNOSTIC}half"][:, 0])
+    np.testing.assert_array_equal(said, np.arange(len(said)) < 2)
 
 
 def test_in_a_team_everybody_says_its_own(monkeypatch):

@@ -124,10 +124,19 @@ def test_the_action_of_an_episode_that_has_ended_is_ignored(env_id):
 
 
 def test_nothing_happens_before_the_first_reset():
-    vector = gym.make_vec("FJRStiction-v0", num_envs=2)
-    for call in (lambda: vector.step(np.zeros((2, 1))), vector.get_state):
+    single, vector = gym.make("FJRStiction-v0").unwrapped, gym.make_vec("FJRStiction-v0", num_envs=2)
+    steps = lambda: single.step(np.zeros(1)), lambda: vector.step(np.zeros((2, 1)))
+    for call in (*steps, single.get_state, vector.get_state):
         with pytest.raises(gym.error.ResetNeeded, match="before the first reset"):
             call()
+
+
+def test_a_closed_batch_is_not_drawn():
+    vector = gym.make_vec("FJRStiction-v0", num_envs=2, render_mode="rgb_array")
+    vector.reset(seed=0)
+    vector.close()
+    with pytest.raises(gym.error.ClosedEnvironmentError, match="make a new one"):
+        vector.render()
 
 
 def test_masks_of_info_cannot_be_written_in_copies_either():

@@ -88,6 +88,12 @@ def test_a_number_of_seeds_is_so_many_validation_seeds(scores: dict[str, pd.Data
     assert numpy["seed"].tolist() == [4, 2]
 
 
+def test_an_environment_is_the_same_however_it_is_named() -> None:
+    """Gains, columns and hash are those of its id; these gains are of this environment alone."""
+    one, other = (evaluate("eso-tuned", name, duration=0.1) for name in (STICTION, f"fo_gym:{STICTION}"))
+    pd.testing.assert_frame_equal(one, other)
+
+
 @pytest.mark.parametrize(
     "seeds",
     [0, 1001, [], [-1], [1.5], -1],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import subprocess
+from collections.abc import Iterator
 from pathlib import Path
 
 os.environ.setdefault("MUJOCO_GL", "egl")
@@ -17,7 +18,7 @@ import fo_gym
 from fo_gym.cli import render
 from fo_gym.envs.rendering import SceneRenderer
 from fo_gym.evaluation.competitors.entry import competitor_of
-from fo_gym.evaluation.results.film import layout
+from fo_gym.evaluation.results.film import layout, writing
 from fo_gym.evaluation.results.film.takes import Take, curves_of, take
 from fo_gym.evaluation.results.film.writing import write_film
 from fo_gym.evaluation.runs.episodes import EpisodeSet
@@ -97,14 +98,14 @@ def test_a_closeup_is_magnified_as_it_says(link: list[Take]) -> None:
 @pytest.mark.parametrize("env_id", [STICTION, SQUARE])
 def test_frames(env_id: str) -> None:
     *takes, ideal = taken(env_id, "none", "pid-low", "ideal", duration=0.3)
-    first = list(layout.frames(takes, ideal, "title", FRAME_DT))
+    first = list(layout.frames(takes, ideal, "title"))
     assert len(first) == 4
     assert len({frame.shape for frame in first}) == 1
     assert all(side % 2 == 0 for side in first[0].shape[:2])
     assert not np.array_equal(first[0], first[-1])
     assert np.abs(first[0].astype(int) - first[-1])[40:200, first[0].shape[1] // 2 :].max() > 20  # pid-low has moved
-    again = list(layout.frames(takes, ideal, "title", FRAME_DT))
-    assert all(np.array_equal(one, other) for one, other in zip(first, again, strict=True))
+    for number, (one, again) in enumerate(zip(first, layout.frames(takes, ideal, "title"), strict=True)):
+        np.testing.assert_array_equal(again, one, err_msg=f"frame {number} is not the same again")
 
 
 @pytest.mark.parametrize("ending", [".mp4", ".gif"])
@@ -128,6 +129,23 @@ def test_the_command(tmp_path: Path) -> None:
     assert outcome.code == 0, outcome.err
     assert out.read_bytes().startswith(b"GIF8")
     assert f"wrote {out}" in outcome.out.replace("\n", "")
+
+
+def test_clock_curve_and_pictures_agree_at_any_speed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Frames that would be 0.4 steps apart are one step apart, and a second of the film is still 10 ms."""
+    shown: list[float] = []
+    rates: list[float] = []
+
+    def write(frames: Iterator[np.ndarray], path: Path, fps: float) -> None:
+        assert len(list(frames)) == 6
+        rates.append(fps)
+
+    monkeypatch.setattr(layout._Column, "draw", lambda column, number, seconds, closeup: shown.append(seconds))
+    monkeypatch.setattr(writing, "write_film", write)
+    outcome = run("render", "none", "--duration", "0.005", "--speed", "0.01", "--out", str(tmp_path / "slow.mp4"))
+    assert outcome.code == 0, outcome.err
+    assert shown == pytest.approx(1e-3 * np.arange(6))
+    assert rates == pytest.approx([10.0])
 
 
 @pytest.mark.parametrize(

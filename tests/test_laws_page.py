@@ -11,12 +11,13 @@ import pytest
 
 from fo_gym.evaluation.results.laws import conclusions, finding, laws_page
 from fo_gym.evaluation.results.laws_figure import laws_figure
-from fo_gym.evaluation.runs.contest import episodes_in
+from fo_gym.evaluation.runs.contest import episodes_in, under_law
 from fo_gym.evaluation.runs.protocol import Protocol, load_protocol
 from fo_gym.friction import LAWS
 from fo_gym.modules import import_file
 
 ROOT = Path(__file__).parents[1]
+OWN = ROOT / "tests" / "outside" / "own_laws.py"
 LAW_NAMES = ("LuGre", "MaxwellSlip", "Dahl")
 SMALL = Protocol("s", "validation", 2, ("FJRStiction-v0",), ("randomized",), ("pd-low",), laws=LAW_NAMES)
 
@@ -85,6 +86,20 @@ def test_a_protocol_runs_each_set_under_each_law() -> None:
     assert sets[0].env_kwargs == {}
     assert sets[0] == episodes_in(Protocol("s", "validation", 2, ("FJRStiction-v0",), ("randomized",), ("x",)))[0]
     assert [type(episodes.robot.friction).__name__ for episodes in sets] == list(LAW_NAMES)
+
+
+@pytest.mark.parametrize(
+    ("name", "law"), [("arm", "Dahl"), ("arm with gripper", "LuGre"), ("arm", f"{OWN}:SmoothCoulomb")]
+)
+def test_a_robot_under_its_own_law_is_on_the_page(name: str, law: str, tmp_path: Path) -> None:
+    file = tmp_path / "robot.toml"
+    under_law("miro_like", law).to_toml(file)
+    protocol = Protocol("s", "validation", 2, ("FJRSquare-v0",), ("nominal",), ("x",), {name: str(file)}, laws=(law,))
+    (episodes,) = episodes_in(protocol)
+    rows = table(LuGre=[("a", 0.9, 1, "a")]).assign(env=episodes.env_id, robot=episodes.robot.name, variant="nominal")
+    page = laws_page(protocol, rows)
+    assert f"## FJRSquare-v0 on {name}, nominal" in page
+    assert f"| compensator | {law.rpartition(':')[2]} |" in page
 
 
 def test_laws_that_there_are_not_are_refused() -> None:

@@ -207,6 +207,9 @@ def test_overall_needs_a_score_on_every_environment() -> None:
     assert table["rank"].fillna(0).to_dict() == {"a": 1, "b": 0}
     assert table.loc["b", ["status", "error"]].tolist() == ["failed", "KeyError: oops"]
     assert overall(synthetic(KNOWN)).empty
+    absent = overall(episodes[~lost]).set_index("compensator")
+    assert absent["rank"].fillna(0).to_dict() == {"a": 1, "b": 0}
+    assert absent.loc["b", ["frr", "frr_ci_low", "frr_ci_high"]].isna().all()
 
 
 def test_the_page_begins_with_all_environments_together() -> None:

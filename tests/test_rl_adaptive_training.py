@@ -106,6 +106,11 @@ class TestTraining:
         with pytest.raises(ValueError, match="holds a training with other settings"):
             train_adaptive(replace(SMALL, seed=4), tmp_path)
 
+    def test_a_checkpoint_that_is_none(self, tmp_path):
+        (tmp_path / "checkpoint.pt").write_bytes(b"nonsense")
+        with pytest.raises(ValueError, match=r"checkpoint\.pt is no checkpoint that can be used"):
+            train_adaptive(SMALL, tmp_path)
+
 
 class TestCommand:
     def test_what_it_does_not_take(self, tmp_path: Path):

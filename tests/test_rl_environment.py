@@ -94,6 +94,37 @@ class TestEnvironment:
         obs, _ = env.reset(options={"reset_mask": terminated})
         assert not obs[terminated][:, :3].any()
 
+    def test_where_the_twin_leaves_the_range_the_episode_is_terminated_and_nobody_pays(self, monkeypatch):
+        """A cut would be bootstrapped from the observation, which is of the next episode."""
+        env = TrainingEnv(REGULATION, 2, Design())
+        env.reset(seed=0)
+        step, gone = env._twins.step, np.array([False, True])
+
+        def leave(actions):
+            obs, reward, _, truncated, info = step(actions)
+            return obs, reward, gone, truncated, info
+
+        monkeypatch.setattr(env._twins, "step", leave)
+        _, reward, terminated, truncated, _ = env.step(np.zeros((14, 1)))
+        assert terminated.tolist() == [False] * 7 + [True] * 7
+        assert not truncated.any()
+        assert (reward > -20.0).all()
+        monkeypatch.undo()
+        env.reset(options={"reset_mask": terminated})
+        assert not env.step(np.zeros((14, 1)))[2].any()
+
+    def test_without_a_seed_the_generators_go_on(self):
+        """After a seed to the same episodes every time; where there never was one to any, the twins' the same."""
+        env = TrainingEnv(STICTION, 8, Design())
+        unseeded = env.reset()[0]
+        joints, twins = (batch.unwrapped.joint_info for batch in (env._robots, env._twins))
+        np.testing.assert_array_equal(joints.motor_inertia, twins.motor_inertia)
+        drawn = [(env.reset(seed=seed)[0], env._left) for seed in (3, None, 3, None, 0)]
+        np.testing.assert_equal(drawn[:2], drawn[2:4])
+        for seeded in (drawn[0], drawn[4]):
+            assert all((one != other).any() for one, other in zip(drawn[1], seeded, strict=True))
+        assert all((unseeded != first).any() for first, _ in drawn)
+
     def test_joints_of_one_robot_are_reset_together(self):
         env = TrainingEnv(REGULATION, 2, Design())
         env.reset(seed=0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -75,3 +76,18 @@ def test_tables_tell_the_law_by_the_robots_name() -> None:
     assert law_of_robot("single_link") == ("single_link", "LuGre")
     with pytest.raises(ValueError, match="has friction Dahl; laws are made like a LuGre"):
         under_law(robot, "MaxwellSlip")
+
+
+def test_the_name_of_a_robot_is_told_from_that_of_its_law() -> None:
+    plain, dahl = robot_of("single_link"), under_law("single_link", "Dahl")
+    names = [under_law(replace(dahl, name="arm"), "Dahl").name]
+    names += [under_law(replace(plain, name="arm with gripper"), law).name for law in ("LuGre", "Dahl")]
+    names += [under_law(replace(plain, name="arm with Dahl"), law).name for law in ("LuGre", "Dahl")]
+    assert [law_of_robot(name) for name in names] == [
+        ("arm", "Dahl"),
+        ("arm with gripper", "LuGre"),
+        ("arm with gripper", "Dahl"),
+        ("arm with Dahl", "LuGre"),
+        ("arm with Dahl", "Dahl"),
+    ]
+    assert law_of_robot("arm with Mine", ["Mine"]) == ("arm", "Mine")

@@ -14,6 +14,7 @@ from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.vec_env import DummyVecEnv, VecCheckNan, VecMonitor, VecNormalize
 
 from fo_gym.sb3 import VecEnvAdapter, make_vec_env
+from fo_gym.wrappers.vector import AgentView
 
 pytestmark = pytest.mark.usefixtures("one_torch_thread")
 STICTION_ID = IDS[0]
@@ -78,6 +79,8 @@ def test_seeds_and_options_reach_the_environments():
     alone = gym.make(STICTION_ID)
     for i in range(2):
         np.testing.assert_array_equal(obs[i], alone.reset(seed=3 + i, options={"target": [0.02]})[0])
+    venv.set_options([{"target": np.array([0.02, 0.0])[:1]}, {"target": np.array([0.02])}])
+    np.testing.assert_array_equal(venv.reset()[0, 5], 0.02)
     venv.set_options([{"target": [0.02]}, {}])
     with pytest.raises(ValueError, match="options differ"):
         venv.reset()
@@ -89,6 +92,9 @@ def test_attributes_and_methods_are_the_batchs():
     assert venv.get_attr("num_envs") == [3, 3, 3]
     assert venv.get_attr("num_envs", indices=1) == [3]
     assert len(venv.env_method("get_state", indices=[0, 2])) == 2
+    wrapped = make_vec_env(STICTION_ID, 2, seed=0, wrapper=AgentView)
+    wrapped.reset()
+    assert len(wrapped.env_method("get_state")) == len(wrapped.get_attr("joint_info")) == 2
     assert venv.env_is_wrapped(gym.Wrapper) == [False] * 3
     venv.set_attr("note", 1)
     assert venv.env.unwrapped.note == 1
@@ -152,6 +158,17 @@ class TestResetMask:
         np.testing.assert_array_equal(again[[0, 2]], obs[[0, 2]])
         np.testing.assert_array_equal(again[1], first)
         assert info["theta"].shape == (3, 1)
+
+    def test_a_seed_is_for_the_masked_environments_alone(self):
+        def second_episode(**arguments):
+            env = gym.make_vec(STICTION_ID, num_envs=2, autoreset_mode=AutoresetMode.DISABLED, variant="randomized")
+            env.reset(seed=[1, 2])
+            env.reset(options={"reset_mask": np.array([True, False])}, **arguments)
+            return env.reset()[0]
+
+        without, seeded = second_episode(), second_episode(seed=5)
+        np.testing.assert_array_equal(seeded[1], without[1])
+        assert not np.array_equal(seeded[0], without[0])
 
     def test_what_has_ended_must_be_reset(self):
         env = gym.make_vec(STICTION_ID, num_envs=2, autoreset_mode=AutoresetMode.DISABLED, duration=0.002)

@@ -25,6 +25,7 @@ from fo_gym.files import atomic, csv
 ROOT = Path(__file__).parents[1]
 ZOO = ROOT / "examples" / "rl_zoo"
 STICTION_ID = ENVIRONMENTS[0]
+BRIEF = ("--seeds", "1", "--steps", "64", "--checkpoints", "1", "--episodes", "1", "--jobs", "1")
 every_algorithm = pytest.mark.parametrize("algo", SOURCES)
 
 
@@ -95,8 +96,7 @@ class TestRuns:
     @pytest.mark.usefixtures("one_torch_thread", "short_episodes")
     def test_a_study_goes_on_where_it_was_killed(self, tmp_path):
         """What is there stays, what is missing comes again, the same to the byte."""
-        asked = ["--out", str(tmp_path), "--zoo", str(ZOO), "--algo", "ppo", "--env", STICTION_ID, "--seeds", "1"]
-        asked += ["--steps", "64", "--checkpoints", "1", "--episodes", "1", "--jobs", "1"]
+        asked = ["--out", str(tmp_path), "--zoo", str(ZOO), "--algo", "ppo", "--env", STICTION_ID, *BRIEF]
         assert CliRunner().invoke(app, asked).exit_code == 0
         kept, lost = sorted((tmp_path / "runs").iterdir())
         before = lost.read_bytes()
@@ -109,7 +109,16 @@ class TestRuns:
             assert (tmp_path / name).stat().st_size > 0
         refused = CliRunner().invoke(app, [*asked, "--steps", "128"])
         assert refused.exit_code == 2
-        assert CliRunner().invoke(app, [*asked, "--algo", "dqn"]).exit_code == 2
+
+    @pytest.mark.parametrize(
+        ("option", "name", "allowed"), [("--algo", "dqn", SOURCES), ("--env", "FJRTracking-v0", ENVIRONMENTS)]
+    )
+    def test_what_is_not_studied_is_refused_before_anything_is_trained(self, tmp_path, option, name, allowed):
+        asked = ["--out", str(tmp_path), "--zoo", str(ZOO), "--algo", "ppo", *BRIEF]
+        refused = CliRunner().invoke(app, [*asked, option, name])
+        assert refused.exit_code == 2
+        assert f"{option} is {name}; allowed are {', '.join(allowed)}" in " ".join(refused.output.split())
+        assert not list(tmp_path.iterdir())
 
 
 class TestSummary:

@@ -73,6 +73,12 @@ def test_together_is_what_each_is_alone() -> None:
         )
 
 
+def test_an_environment_is_the_same_however_it_is_named() -> None:
+    """The gains that are not swept are those that the entry has for it."""
+    one, other = (fo_gym.sweep("pid-tuned", name, {"L": [50.0]}, **SHORT) for name in (STICTION, f"fo_gym:{STICTION}"))
+    pd.testing.assert_frame_equal(one, other)
+
+
 def test_the_references_run_once_and_refused_sets_never() -> None:
     told: list[str] = []
     episodes = EpisodeSet(STICTION, "nominal", (1,), {"duration": 0.05})
@@ -175,6 +181,11 @@ def test_whole_numbers_stay_whole() -> None:
     assert [tuple(each.values()) for each in sets[3:]] == [(2, 50.0), (2, 60), (2, 70.0)]
 
 
+def test_a_generator_gives_values_as_a_list_does() -> None:
+    gains: Any = {"L": (value for value in (50.0, 60.0))}
+    assert Grid("pid-high", gains).sets == [{"L": 50.0}, {"L": 60.0}]
+
+
 @pytest.mark.parametrize(("env_id", "variant", "message"), [(7, "nominal", "env_id is 7"), (STICTION, "wild", "wild")])
 def test_where_it_is_swept_is_checked(env_id: Any, variant: str, message: str) -> None:
     with pytest.raises(ValueError, match=message):
@@ -199,6 +210,7 @@ def table(*names: str, failed: int = 0) -> pd.DataFrame:
 
 def test_the_summary_of_a_sweep() -> None:
     summary = summary_of(table("k", failed=1), ["k"])
+    assert list(summary) == ["env", "robot", "variant", "k", "frr", "frr_worst", "frr_best", "status", "error"]
     assert summary["k"].tolist() == [1.0, 2.0, 3.0]
     assert summary["status"].tolist() == ["failed", "ok", "ok"]
     assert summary["error"].tolist() == ["refused", "", ""]

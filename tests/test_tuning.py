@@ -125,6 +125,11 @@ class TestSearch:
         one, other = (run_study(Case(*astuple(CASE)[:-1], seed), kept_in(tmp_path)).trials for seed in (0, 1))
         assert (one["L"] != other["L"]).any()
 
+    def test_an_environment_goes_by_its_id(self):
+        assert Case("pid-high", f"fo_gym:{STICTION}", "randomized", 12, 2, 0) == CASE
+        with pytest.raises(ValueError, match="unknown environment 'FJRNothing-v0'"):
+            Case("pid-high", "FJRNothing-v0", "randomized", 12, 2, 0)
+
 
 def astuple(case):
     return (case.spec, case.env_id, case.variant, case.trials, case.episodes, case.seed)

@@ -104,7 +104,7 @@ class TestOfAStranger:
             (("--name", "none"), "name is 'none'; give letters"),
             (("--author", "two\nlines"), "each a line of text"),
             (("--author", " "), "each a line of text"),
-            (("--env", "FJRNothing-v0"), "env is 'FJRNothing-v0'; allowed are 'FJRStiction-v0'"),
+            (("--env", "FJRNothing-v0"), "unknown environment 'FJRNothing-v0'; known are FJRStiction-v0"),
             (("--variant", "wild"), "variant is 'wild'; allowed are 'nominal', 'randomized', 'hardware'"),
             (("--seed", "-1"), "seed is -1; give a whole number from 0 to "),
         ],

@@ -14,10 +14,13 @@ from tables import SQUARE
 from typer.testing import CliRunner
 
 from fo_gym.cli import app
-from fo_gym.evaluation.results.published import published, sampled
+from fo_gym.evaluation.results.published import contests_of, published, sampled
+from fo_gym.evaluation.runs.contest import episodes_in
 from fo_gym.evaluation.runs.episodes import KEY
 from fo_gym.evaluation.runs.processor import processor
+from fo_gym.evaluation.runs.protocol import load_protocol
 
+ROOT = Path(__file__).parents[1]
 PROTOCOL = f"""
 name = "small"
 split = "validation"
@@ -166,6 +169,28 @@ def test_results_that_are_none_are_refused() -> None:
     change(lambda table: table.drop(columns="competitor_hash"))
     assert "lacks the columns ['competitor_hash']" in run("verify", "out").err
     assert run("verify", "nowhere").code == 2
+
+
+def test_rows_under_laws_are_of_the_episodes_that_were_run() -> None:
+    table = published(ROOT / "leaderboard" / "laws")
+    again = [each.episodes for each in contests_of(table[table["compensator"] == "none"])]
+    ran = episodes_in(load_protocol("laws"))
+    assert [(each.label, each.robot.fingerprint) for each in again] == [
+        (each.label, each.robot.fingerprint) for each in ran
+    ]
+
+
+def test_the_protocol_says_what_a_robot_and_its_law_are(folder: Path) -> None:
+    protocol = folder / "laws.toml"
+    law = ROOT / "tests" / "outside" / "own_laws.py"
+    protocol.write_text(f'{PROTOCOL}laws = ["{law.as_posix()}:SmoothCoulomb"]\nrobots = {{ mine = "miro_like" }}\n')
+    row = {"env": SQUARE, "robot": "mine with SmoothCoulomb", "variant": "nominal", "compensator": "none", "seed": "0"}
+    table = pd.DataFrame([{**row, "competitor_hash": "", "protocol": ""}])
+    (contest,) = contests_of(table, protocol=protocol)
+    robot = contest.episodes.robot
+    assert (robot.name, type(robot.friction).__name__) == ("mine with SmoothCoulomb", "SmoothCoulomb")
+    with pytest.raises(ValueError, match="robot 'mine with SmoothCoulomb' is not known here; name the protocol"):
+        contests_of(table)
 
 
 @pytest.mark.usefixtures("folder")

@@ -103,6 +103,8 @@ def test_what_cannot_be_is_refused():
         view_of(action_share=1.5)
     with pytest.raises(ValueError, match="action_share is 0"):
         view_of(action_share=0)
+    with pytest.raises(ValueError, match="give at most 1"):
+        AgentCompensator(Wave(), period=0.01, action_share=7.0)
     env = view_of(ARM_ID)
     env.reset(seed=0)
     with pytest.raises(ValueError, match="action has shape"):

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import torch
-from stable_baselines3.common.base_class import BaseAlgorithm
 
 from fo_gym.files import draft_of
 
+if TYPE_CHECKING:
+    from stable_baselines3.common.base_class import BaseAlgorithm
+
 _BUFFER = ("observations", "next_observations", "actions", "rewards", "dones", "timeouts")
 
-__all__ = ["load_checkpoint", "save_checkpoint"]
+__all__ = ["load_checkpoint", "reading", "save_checkpoint"]
 
 
 def save_checkpoint(path: Path, model: BaseAlgorithm, segments: int) -> None:
@@ -38,6 +42,15 @@ def save_checkpoint(path: Path, model: BaseAlgorithm, segments: int) -> None:
         torch.save(state, draft)
 
 
+@contextmanager
+def reading(path: Path) -> Iterator[None]:
+    """A block that reads a checkpoint: for whatever goes wrong in it, ValueError names the file."""
+    try:
+        yield
+    except Exception as error:
+        raise ValueError(f"{path} is no checkpoint that can be used ({error}); remove it to start again") from error
+
+
 def load_checkpoint(path: Path, model: BaseAlgorithm) -> int:
     """Put the state of `path` into a model that was made alike; returns how many segments are done, 0 without a file.
 
@@ -46,11 +59,9 @@ def load_checkpoint(path: Path, model: BaseAlgorithm) -> int:
     """
     if not path.is_file():
         return 0
-    try:
+    with reading(path):
         state = torch.load(path, weights_only=True)
         model.set_parameters(state["parameters"])
-    except Exception as error:
-        raise ValueError(f"{path} is no checkpoint that can be used ({error}); remove it to start again") from error
     model.num_timesteps = state["timesteps"]
     setattr(model, "_n_updates", state["updates"])  # noqa: B010
     buffer = getattr(model, "replay_buffer", None)

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
+from baselines.rl.course import course_of
+from baselines.rl.design import Design
+from baselines.rl.plan import Algo, Plan
 from fo_gym.console import Stop, check_folder, progress_bar, tell_written
 from fo_gym.extras import install_command
 
@@ -16,7 +19,7 @@ __all__ = ["train"]
 def train(
     out: Annotated[Path, typer.Option(file_okay=False, help="Folder of this training; a killed one goes on there.")],
     env: Annotated[str, typer.Option(help="Environment to train on.")] = "FJRStiction-v0",
-    algo: Annotated[Literal["ppo", "sac", "tqc"], typer.Option(help="Algorithm of Stable-Baselines3.")] = "ppo",
+    algo: Annotated[Algo, typer.Option(help="Algorithm of Stable-Baselines3.")] = "ppo",
     seed: Annotated[int, typer.Option(help="Seed of weights, episodes and exploration.")] = 0,
     direct: Annotated[
         bool, typer.Option("--direct", help="A policy alone, not added to the PID-type observer.")
@@ -67,9 +70,6 @@ def _policy(
 ) -> Path:
     """Train a policy; torch is heavy, and nothing else needs it."""
     from baselines.rl.algorithms import ALGORITHMS  # noqa: PLC0415
-    from baselines.rl.course import course_of  # noqa: PLC0415
-    from baselines.rl.design import Design  # noqa: PLC0415
-    from baselines.rl.plan import Plan  # noqa: PLC0415
     from baselines.rl.training import train as run  # noqa: PLC0415
 
     algorithm = ALGORITHMS[algo]

@@ -40,7 +40,8 @@ class TrainingEnv(VectorEnv[Any, Any, Any]):
 
     Observation: the inputs of `PolicyLoop`, float32. Action: that of `PolicyLoop`, one number in [-1, 1]. One step is
     one action of the policy. The autoreset mode is DISABLED. Episodes are the course's; the first of each robot after
-    `reset` is cut at a random length, so that later ones do not run in step.
+    `reset` is cut at a random length, so that later ones do not run in step. They are terminated where a joint leaves
+    its range, which costs, or one of the twin does, which does not.
 
     Args:
         env_id: an environment with a course.
@@ -72,6 +73,7 @@ class TrainingEnv(VectorEnv[Any, Any, Any]):
         self._loop = PolicyLoop(design)
         self._length = round(self.course.duration / design.period)
         self._nothing = np.zeros((num_envs, self._dof))
+        self._generator: np.random.Generator | None = None
         self.num_envs = num_envs * self._dof
         self.single_observation_space = Box(-np.inf, np.inf, (len(FEATURES),), np.float32)
         self.single_action_space = Box(-1.0, 1.0, (1,), np.float32)
@@ -85,7 +87,8 @@ class TrainingEnv(VectorEnv[Any, Any, Any]):
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
         """Start episodes: everywhere, or for the agents of options["reset_mask"].
 
-        Robot i gets the seed `seed` + i; of a sequence the first counts, since joints of one robot share theirs.
+        Robot i gets the seed `seed` + i; of a sequence the first counts, since joints of one robot share theirs. None
+        continues the generators; the first time it seeds them at random.
 
         Raises:
             ValueError: the mask tells joints of one robot apart.
@@ -93,7 +96,7 @@ class TrainingEnv(VectorEnv[Any, Any, Any]):
         start = time.perf_counter()
         if options is None:
             first = seed[0] if isinstance(seed, Sequence) else seed
-            self._reset_all(first or 0)
+            self._reset_all(first)
         else:
             joints: NDArray[np.bool_] = np.asarray(options["reset_mask"]).reshape(-1, self._dof)
             robots = np.logical_and.reduce(joints, axis=1)
@@ -103,14 +106,18 @@ class TrainingEnv(VectorEnv[Any, Any, Any]):
         self.seconds += time.perf_counter() - start
         return self._observation(), {}
 
-    def _reset_all(self, seed: int) -> None:
+    def _reset_all(self, seed: int | None) -> None:
+        if seed is None and self._generator is None:
+            seed = int(np.random.default_rng().integers(2**63))  # robots and twins must draw alike
         obs, _ = self._robots.reset(seed=seed)
         self._twins.reset(seed=seed)
         self._see(obs)
         robots = self._nothing.shape[0]
         self._loop.reset(self._joints, robots)
-        self._left = np.random.default_rng(seed).integers(1, self._length + 1, robots)
-        self._broken = np.zeros(robots, dtype=bool)
+        if self._generator is None or seed is not None:
+            self._generator = np.random.default_rng(seed)
+        self._left = self._generator.integers(1, self._length + 1, robots)
+        self._broken, self._unmatched = np.zeros((2, robots), dtype=bool)
 
     def _reset_some(self, mask: NDArray[np.bool_]) -> None:
         obs, _ = self._robots.reset(options={"reset_mask": mask.copy()})
@@ -118,7 +125,7 @@ class TrainingEnv(VectorEnv[Any, Any, Any]):
         self._see(obs)
         self._loop.restart(np.flatnonzero(mask), self._joints)
         self._left[mask] = self._length
-        self._broken[mask] = False
+        self._broken[mask] = self._unmatched[mask] = False
 
     @property
     def _joints(self) -> JointInfo:
@@ -142,21 +149,24 @@ class TrainingEnv(VectorEnv[Any, Any, Any]):
         cost[self._broken] += ENDING_COST
         self.rewards.append(-float(cost.mean()))
         self._left -= 1
-        terminated = np.repeat(self._broken, self._dof)
-        truncated = np.repeat((self._left <= 0) & ~self._broken, self._dof)
+        # Where the twin left its range, too: the observation is the next episode's already, from which nobody may
+        # bootstrap as from that of a cut. It costs nothing, since no action brings it about.
+        terminated = self._broken | self._unmatched
+        truncated = (self._left <= 0) & ~terminated
         self.seconds += time.perf_counter() - start
-        return self._observation(), -cost.reshape(-1), terminated, truncated, {}
+        ends = np.repeat(terminated, self._dof), np.repeat(truncated, self._dof)
+        return self._observation(), -cost.reshape(-1), *ends, {}
 
     def _tick(self) -> Array:
         """One control tick; the cost of it, (robots, dof)."""
         obs, _, ended, _, truth = self._robots.step(self._loop.estimate(self._signals))
         _, _, twin_ended, _, ideal = self._twins.step(self._nothing)
         # Who leaves the range begins again at once, since an ended environment cannot be stepped; the end is reported
-        # when the policy's period is over. Where the twin leaves it, which is nobody's fault, the episode is cut.
+        # when the policy's period is over.
         lost = ended | twin_ended
         if lost.any():
             self._broken |= ended
-            self._left[twin_ended] = 1
+            self._unmatched |= twin_ended
             obs, _ = self._robots.reset(options={"reset_mask": lost.copy()})
             self._twins.reset(options={"reset_mask": lost.copy()})
         self._see(obs)

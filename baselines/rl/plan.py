@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_args
 
 from baselines.rl.course import course_of
 from baselines.rl.design import Design
 from fo_gym.files import atomic
 
-__all__ = ["ALGOS", "Plan", "claim"]
+__all__ = ["ALGOS", "Algo", "OnSteps", "Plan", "claim", "silence"]
 
-ALGOS = ("ppo", "sac", "tqc")
+Algo = Literal["ppo", "sac", "tqc"]
+ALGOS: tuple[str, ...] = get_args(Algo)
+
+OnSteps = Callable[[str, int], None]
+"""Called with a label, and how far a training went since the last call."""
 
 
 @dataclass(frozen=True)
@@ -73,3 +77,7 @@ def claim(out: Path, settings: Mapping[str, Any]) -> None:
     if file.is_file() and file.read_text(encoding="utf-8") != text:
         raise ValueError(f"{out} holds a training with other settings, see {file}; choose another --out, or remove it")
     atomic(file, text)
+
+
+def silence(label: str, steps: int) -> None:
+    """An `OnSteps` where nobody listens."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -18,14 +17,13 @@ from baselines.rl.algorithms import LEARNING_RATE, export, make_model
 from baselines.rl.checkpoint import load_checkpoint, save_checkpoint
 from baselines.rl.compensator import LearnedCompensator
 from baselines.rl.environment import TrainingEnv
-from baselines.rl.plan import Plan, claim
+from baselines.rl.plan import OnSteps, Plan, claim, silence
 from baselines.rl.report import card, write_report
 from baselines.rl.storage import POLICY, save_policy
 from fo_gym import evaluate
 from fo_gym.files import atomic, csv
 from fo_gym.sb3 import VecEnvAdapter
 
-OnSteps = Callable[[str, int], None]
 _THREADS = 2  # the same everywhere: sums in another order are other weights
 
 __all__ = ["train"]
@@ -102,7 +100,7 @@ def train(plan: Plan, out: Path, *, on_steps: OnSteps | None = None, tensorboard
     torch.set_num_threads(_THREADS)
     env = TrainingEnv(plan.env_id, plan.robots, plan.design)
     model = make_model(plan.algo, VecEnvAdapter(env), plan.steps, plan.seed, tensorboard)
-    folder, announce = _Folder(out), on_steps or _silence
+    folder, announce = _Folder(out), on_steps or silence
     done = load_checkpoint(folder.checkpoint, model)
     curve, timing = folder.table("curve", done), folder.table("timing", done)
     announce(f"{done} of {plan.segments} segments are done", done * plan.actions)
@@ -129,7 +127,3 @@ def train(plan: Plan, out: Path, *, on_steps: OnSteps | None = None, tensorboard
         announce(f"segment {segment + 1} of {plan.segments}: validation FRR {scores['frr_mean']:.4f}", 0)
     write_report(plan, out)
     return out / POLICY
-
-
-def _silence(label: str, steps: int) -> None:
-    """Nobody listens."""

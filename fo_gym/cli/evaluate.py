@@ -102,6 +102,7 @@ def run_evaluate(
 
         fo-gym evaluate leaderboard/submissions/theirs.toml
     """
+    from fo_gym.envs.registry import environment_of
     from fo_gym.evaluation.runs.protocol import Protocol
     from fo_gym.evaluation.runs.seeds import usual_count
 
@@ -114,6 +115,7 @@ def run_evaluate(
     if report is not None:
         _check_report(compensators)
     try:
+        env = environment_of(env).id  # known from here on: entries may have gains for it
         given, others = _competitors(compensators, gains_of(gains or ()), name, baselines)
         names = tuple(competitor.name for competitor in (*given, *others))
         count = usual_count([variant]) if seeds is None else seeds

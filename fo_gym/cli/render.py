@@ -86,6 +86,7 @@ def _film(competitors: list[Competitor], episode: EpisodeSet, speed: float, out:
     *takes, ideal = (take(each, episode, speed / fps) for each in (*competitors, competitor_of("ideal")))
     shown = f", {speed:g} times as fast" if speed > 1.0 else f", {1.0 / speed:g} times as slow" if speed < 1.0 else ""
     title = f"{episode.label}{'' if episode.variant == 'nominal' else f', seed {episode.seeds[0]}'}{shown}"
-    drawn = frames(takes, ideal, title, speed / fps)
+    drawn = frames(takes, ideal, title)
     with progress_bar(max(len(each.states) for each in takes)) as advance:
-        write_film((told for told in drawn if advance("drawing", 1) is None), out, fps)
+        # A frame shows whole steps; as many come in a second as the speed asks for.
+        write_film((told for told in drawn if advance("drawing", 1) is None), out, speed / ideal.frame_dt)

@@ -103,7 +103,7 @@ def impedance_torques(law, stiffness, mass, theta, theta_dot, setpoint, tau_c, f
         stiffness: K_j as the controller knows it, (num_envs, dof), N m/rad.
         mass: factor on the masses of the robot's file, as the controller knows it, (num_envs,).
         theta, theta_dot: measured or nominal motor, (num_envs, dof), rad and rad/s.
-        setpoint: desired motion of the tool, a TaskSetpoint.
+        setpoint: desired motion of the tool, a TaskSetpoint or a tuple of its fields.
         tau_c: out, (num_envs, dof), N m.
         first, last: of the environments.
     """

@@ -15,9 +15,12 @@ from fo_gym.modules import is_of_file
 from fo_gym.robots import RobotLike, robot_of
 from fo_gym.tasks.task import TaskLike, made_for
 
-__all__ = ["register"]
+TAGS = ("link", "arm", "step", "path", "square", "hand")
+"""What an environment may be said to be."""
 
 _OWN = "own"
+
+__all__ = ["TAGS", "register"]
 
 
 def register(env_id: str, robot: RobotLike, task: TaskLike, *, tags: Iterable[str] = ("arm",)) -> None:
@@ -31,17 +34,19 @@ def register(env_id: str, robot: RobotLike, task: TaskLike, *, tags: Iterable[st
         env_id: a Gymnasium id such as "MyTask-v0".
         robot: a Robot, the name of a shipped one, or a file.
         task: a Task, or a function that makes one for a robot.
-        tags: what it is; "arm" has the commands run it on other robots.
+        tags: what it is, of TAGS; "arm" has the commands run it on other robots.
 
     Raises:
-        ValueError: the id is none or taken, the robot cannot be had, or the task does not suit it.
+        ValueError: the id is none or taken, a tag is unknown, the robot cannot be had, or the task does not suit it.
     """
     if not re.fullmatch(r"[\w.-]+-v\d+", text("env_id", env_id)):
         raise ValueError(f"env_id is {shown(env_id)}; give letters, digits and _ . - and a version, such as MyTask-v0")
     source = _source(inspect.stack()[1].frame.f_globals)
     taken = ENVIRONMENTS.get(env_id)
-    if taken is not None and taken.source != source:
+    if taken is not None and (taken.source != source or _OWN not in taken.tags):
         raise ValueError(f"env_id {env_id!r} is taken, by {taken.source or 'fo_gym'}; choose another one")
+    if isinstance(tags, str) or not set(tags) <= set(TAGS):
+        raise ValueError(f"tags is {shown(tags)}; give some of {', '.join(TAGS)}, as a tuple or a list")
     own = robot_of(robot)
     made_for(own, task).fitted_to(own)  # what does not fit is told now
     add(Environment(env_id, "fo_gym.envs.made:Made", frozenset({*tags, _OWN}), own, task, source))

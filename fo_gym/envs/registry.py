@@ -34,7 +34,6 @@ __all__ = [
     "import_sources",
     "known_environments",
     "sources",
-    "tagged",
 ]
 
 
@@ -95,20 +94,21 @@ for _id, _name, _tags, _robot in (
 
 @cache
 def _import_plug_ins() -> None:
-    """Import the modules that installed packages name, once."""
+    """Import the modules that installed packages name, once. One that raises is told of, and left out."""
     for entry in sorted(entry_points(group=GROUP), key=lambda entry: entry.name):
-        entry.load()
+        try:
+            entry.load()
+        except Exception as error:
+            package = entry.dist.name if entry.dist else "an installed package"
+            gym.logger.warn(
+                f"environments of {package} are missing: importing {entry.value} raised {type(error).__name__}: {error}"
+            )
 
 
 def known_environments() -> tuple[str, ...]:
     """The environments that can be scored, by their ids, those of installed packages included."""
     _import_plug_ins()
     return tuple(ENVIRONMENTS)
-
-
-def tagged(tag: str) -> tuple[str, ...]:
-    """Ids of the environments with a tag."""
-    return tuple(env_id for env_id, row in ENVIRONMENTS.items() if tag in row.tags)
 
 
 def environment_of(name: str) -> Environment:

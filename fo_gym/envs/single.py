@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from fo_gym.checks import choice
 from fo_gym.envs.actions import checked_action
-from fo_gym.envs.rendering import SceneRenderer
+from fo_gym.envs.drawn import Drawn
 from fo_gym.generators import check_random_state, seed_number
 from fo_gym.parameters import JointInfo
 from fo_gym.robots import Robot, RobotLike
@@ -30,7 +30,7 @@ __all__ = ["JointEnv"]
 _ONE = np.zeros(1, dtype=np.intp)
 
 
-class JointEnv(gym.Env[Array, Array]):
+class JointEnv(Drawn, gym.Env[Array, Array]):
     """Flexible joints with friction under a task's controller; the agent supplies the friction estimate.
 
     Subclasses name robot and task. Keyword arguments are those of `Settings`, and `render_mode`.
@@ -53,17 +53,11 @@ class JointEnv(gym.Env[Array, Array]):
         self.simulation = Simulation(self.robot, self.task, 1, chosen)
         self.render_mode = render_mode
         self.metadata = {**self.metadata, "render_fps": max(1, round(1.0 / chosen.step_dt))}
-        self._renderer: SceneRenderer | None = None
         self._started = False
         size = self.simulation.memory.size
         limit = self.simulation.torque_limit
         self.observation_space = Box(-np.inf, np.inf, (size,), np.float64)
         self.action_space = Box(-limit, limit, dtype=np.float64)
-
-    @property
-    def available(self) -> frozenset[str]:
-        """Names of the signals that the sensors provide; the others are zero."""
-        return self.simulation.available
 
     @property
     def joint_info(self) -> JointInfo:
@@ -116,11 +110,6 @@ class JointEnv(gym.Env[Array, Array]):
             self._renderer_now().watch(self.simulation, draw=self.render_mode == "human")
         return self.simulation.observation()[0], float(reward[0]), bool(terminated[0]), bool(truncated[0]), info
 
-    def _renderer_now(self) -> SceneRenderer:
-        if self._renderer is None:
-            self._renderer = SceneRenderer(self.simulation, self.render_mode)
-        return self._renderer
-
     def render(self) -> Any:
         """An image (height, width, 3) of uint8 in the "rgb_array" mode; None, and a window, in the "human" mode."""
         if self.render_mode is None:
@@ -132,12 +121,12 @@ class JointEnv(gym.Env[Array, Array]):
 
     def close(self) -> None:
         """Close the window, if there is one."""
-        if self._renderer is not None:
-            self._renderer.close()
-            self._renderer = None
+        self._close_renderer()
 
     def get_state(self) -> tuple[SimulationState, Mapping[str, Any]]:
         """A copy of the full state: simulation (bristles included) and random generator."""
+        if not self._started:
+            raise gym.error.ResetNeeded("get_state() was called before the first reset(); call reset() first")
         return self.simulation.get_state(), self.np_random.bit_generator.state
 
     def set_state(self, state: tuple[SimulationState, Mapping[str, Any]]) -> None:
@@ -151,7 +140,3 @@ class JointEnv(gym.Env[Array, Array]):
         self.simulation.set_state(simulation)
         self.np_random.bit_generator.state = generator
         self._started = True
-
-    def __getstate__(self) -> dict[str, Any]:
-        # A renderer holds an OpenGL context; the copy makes its own when asked to draw.
-        return {**self.__dict__, "_renderer": None}

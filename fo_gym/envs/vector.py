@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from fo_gym.checks import choice, instance, shown
 from fo_gym.envs.actions import checked_action
-from fo_gym.envs.rendering import SceneRenderer
+from fo_gym.envs.drawn import Drawn
 from fo_gym.generators import check_random_states, restored, seed_number, states_of
 from fo_gym.parameters import JointInfo
 from fo_gym.robots import Robot, RobotLike
@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 __all__ = ["JointVectorEnv"]
 
 
-class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
+class JointVectorEnv(Drawn, VectorEnv[Array, Array, NDArray[Any]]):
     """`num_envs` environments advanced together; each one behaves, to the bit, as `JointEnv` does alone.
 
     Subclasses name robot and task. With the autoreset mode NEXT_STEP (the default) the step after an episode's end
@@ -72,7 +72,6 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         self.render_mode = render_mode
         fps = max(1, round(1.0 / chosen.step_dt))
         self.metadata = {**self.metadata, "render_fps": fps, "autoreset_mode": autoreset_mode}
-        self._renderer: SceneRenderer | None = None
         size = self.simulation.memory.size
         limit = self.simulation.torque_limit
         self.single_observation_space = Box(-np.inf, np.inf, (size,), np.float64)
@@ -84,11 +83,6 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         # Every environment has every entry of info: one mask serves all, and nobody may write into it.
         self._everyone = np.ones(num_envs, dtype=bool)
         self._everyone.flags.writeable = False
-
-    @property
-    def available(self) -> frozenset[str]:
-        """Names of the signals that the sensors provide; the others are zero."""
-        return self.simulation.available
 
     @property
     def joint_info(self) -> JointInfo:
@@ -140,6 +134,7 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
 
         Args:
             seed: s gives environment i the seed s + i; a sequence gives each its own; None continues the generators.
+                Of environments that are not reset the generators stay as they are.
             options: as in `JointEnv.reset`, for all environments that are reset; "reset_mask", (num_envs,) of bool,
                 says which these are.
 
@@ -155,7 +150,8 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         rest = {key: value for key, value in (options or {}).items() if key != "reset_mask"}
         chosen = self.simulation.limits.read(rest)
         mask = self._checked_mask((options or {}).get("reset_mask", self._everyone))
-        self._seed(self._checked_seeds(seed))
+        seeds = self._checked_seeds(seed)
+        self._seed([new if again else None for new, again in zip(seeds, mask, strict=True)])
         again = np.flatnonzero(mask)
         self.simulation.reset(again, [self._generators[i] for i in again], chosen)
         self._ended[again] = False
@@ -195,23 +191,17 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         return self.simulation.observation(), reward, terminated, truncated, info
 
     def render(self) -> tuple[Any, ...] | None:
-        """One image (height, width, 3) of uint8 per environment."""
+        """One image (height, width, 3) of uint8 per environment. Raises ClosedEnvironmentError after `close`."""
+        self._check_open()
         if self.render_mode is None:
             gym.logger.warn("render() draws nothing: make the environment with render_mode='rgb_array'")
             return None
         renderer = self._renderer_now()
         return tuple(renderer.frame(self.simulation, i) for i in range(self.num_envs))
 
-    def _renderer_now(self) -> SceneRenderer:
-        if self._renderer is None:
-            self._renderer = SceneRenderer(self.simulation, self.render_mode)
-        return self._renderer
-
     def close_extras(self, **kwargs: Any) -> None:
         """Release the renderer."""
-        if self._renderer is not None:
-            self._renderer.close()
-            self._renderer = None
+        self._close_renderer()
 
     def get_state(self) -> tuple[SimulationState, list[dict[str, Any]], NDArray[np.bool_]]:
         """A copy of the full state: simulation, random generators, and who resets at the next step."""
@@ -232,10 +222,6 @@ class JointVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         self.simulation.set_state(simulation)
         self._generators = restored(generators)
         self._ended = ended.copy()
-
-    def __getstate__(self) -> dict[str, Any]:
-        # A renderer holds an OpenGL context; the copy makes its own when asked to draw.
-        return {**self.__dict__, "_renderer": None}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)

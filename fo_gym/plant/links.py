@@ -24,7 +24,6 @@ from fo_gym.plant.screws import (
     SLIDES,
     SPRING,
     gravity_torques,
-    tool_distances,
     tool_poses,
     tool_positions,
 )
@@ -93,12 +92,6 @@ class Links:
         position = np.empty((len(q), 3))
         tool_positions(self.joints, self.world, self.reference, np.ascontiguousarray(q), position)
         return position
-
-    def tool_distance(self, q: Array, point: Array) -> Array:
-        """How far the tool is from `point` (n, 3) [m] at q (n, dof): (n,), m."""
-        distance = np.empty(len(q))
-        tool_distances(self.joints, self.world, self.reference, np.ascontiguousarray(q), point, distance)
-        return distance
 
     def tool_pose(self, q: Array) -> ToolPose:
         """Tool frame and Jacobian at q (n, dof)."""

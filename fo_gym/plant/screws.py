@@ -184,7 +184,7 @@ def tool_positions(joints, world, reference, q, position):
 
 @jit
 def tool_distances(joints, world, reference, q, point, distance):
-    """`Links.tool_distance` into distance (n,)."""
+    """How far the tool is from `point` (n, 3) [m] at q (n, dof), into distance (n,) [m]."""
     n, dof = q.shape
     room, position, rotation = motion_room(dof), np.empty(3), np.empty((3, 3))
     for i in range(n):

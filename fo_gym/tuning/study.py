@@ -13,7 +13,7 @@ from optuna.trial import FrozenTrial, TrialState
 
 from fo_gym.checks import choice, whole_number
 from fo_gym.compensators import CompensatorError
-from fo_gym.envs.registry import known_environments
+from fo_gym.envs.registry import environment_of
 from fo_gym.evaluation.competitors.competitor import Competitor
 from fo_gym.evaluation.episode.recording import References
 from fo_gym.evaluation.runs.episodes import EpisodeSet, references_of
@@ -43,12 +43,15 @@ class Case:
 
     Attributes:
         spec: compensator, with a `search_space`.
-        env_id, variant: where.
+        env_id, variant: where; of an environment that is named "module:ID" or "file.py:ID" the id.
         trials: sets of gains that are tried; those that the compensator refuses cost nothing and do not count.
         episodes: of every trial; their seeds are the first tuning seeds.
         seed: of the search.
         final_episodes: validation episodes of each finalist; more than of a trial, since fast gains may ring in one
             episode of twenty.
+
+    Raises:
+        ValueError: one of them is not allowed.
     """
 
     spec: str
@@ -60,7 +63,7 @@ class Case:
     final_episodes: int = 20
 
     def __post_init__(self) -> None:
-        choice("env", self.env_id, known_environments())
+        object.__setattr__(self, "env_id", environment_of(self.env_id).id)
         choice("variant", self.variant, VARIANTS)
         bounds = {"trials": (1, 1_000_000), "episodes": (1, len(TUNING_SEEDS)), "seed": (0, MAX_SEARCH_SEED)}
         for name, (low, high) in {**bounds, "final_episodes": (1, len(VALIDATION_SEEDS))}.items():

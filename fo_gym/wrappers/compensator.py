@@ -64,7 +64,7 @@ class AgentCompensator:
         self._policy = policy
         self._period = number("period", period, POSITIVE, "s")
         self._torque = action_mode == "torque"
-        self._mode, self._share = action_mode, action_share
+        self._share = action_scale(np.ones(()), action_mode, action_share)
         self._stack = whole_number("stack", stack, 1)
 
     def reset(self, joints: JointInfo, num_envs: int) -> None:
@@ -77,7 +77,7 @@ class AgentCompensator:
         self._joints, self._tick = joints, 0
         self._frames, self._state = Frames(self._stack), None
         self._action, self._applied = np.zeros((2, num_envs, joints.dof))
-        self._scale = action_scale(joints.torque_limit, self._mode, self._share)
+        self._scale = self._share * joints.torque_limit
 
     def estimate(self, signals: Signals) -> Array:
         """tau_f_hat, (num_envs, dof), N or N m."""

@@ -17,7 +17,7 @@ class AdaptiveDesign:
     Attributes:
         L, Lp, Li: gains of the PID-type observer [1/s], [1/s], [1/s^2].
         period: of the blocks that are learned from [s]: readings are averaged over it.
-        longest_delay: of commands, that is looked for [s].
+        longest_delay: of commands, up to which delays are looked for; itself it is not [s].
         largest_zero: bound of the estimated zero of the torque sensor, as a share of the torque limit.
         largest_error: bound of the estimated error of the motor inertia, as a share of it.
     """

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -20,12 +20,12 @@ from baselines.rl.adaptive.model import Episodes, Model, episodes_of
 from baselines.rl.adaptive.report import card, write_report
 from baselines.rl.adaptive.rollouts import BLOCKS, Noting, rollout
 from baselines.rl.adaptive.storage import save_weights
-from baselines.rl.plan import claim
+from baselines.rl.checkpoint import reading
+from baselines.rl.plan import OnSteps, claim, silence
 from baselines.rl.storage import POLICY
 from fo_gym import evaluate
 from fo_gym.files import atomic, csv, draft_of
 
-OnSteps = Callable[[str, int], None]
 VALIDATION = "FJRStiction-v0"
 """What is scored after every segment, in the variant `hardware`: the single link; the scored arm is not looked at."""
 SEGMENTS = 8
@@ -92,13 +92,11 @@ class _Run:
         file = self.out / "checkpoint.pt"
         if not file.is_file():
             return
-        try:
+        with reading(file):
             state = torch.load(file, weights_only=True)
             self.model.load_state_dict(state["model"])
             self.optimizer.load_state_dict(state["optimizer"])
             self.done = int(state["segments"])
-        except Exception as error:
-            raise ValueError(f"{file} is no checkpoint that can be used ({error}); remove it to start again") from error
 
     def _table(self, name: str) -> list[dict[str, Any]]:
         file = self.out / f"{name}.csv"
@@ -177,7 +175,7 @@ def train_adaptive(plan: AdaptivePlan, out: Path, *, on_steps: OnSteps | None = 
     settings = {"adaptive": asdict(plan)}
     claim(out, settings)
     torch.set_num_threads(_THREADS)
-    run = _Run(plan, out, on_steps or _silence)
+    run = _Run(plan, out, on_steps or silence)
     for segment in range(run.done):
         run.roll_out(segment)
         run.announce(f"{run.done} of {plan.segments} segments are done", plan.batches * plan.steps)
@@ -197,7 +195,3 @@ def train_adaptive(plan: AdaptivePlan, out: Path, *, on_steps: OnSteps | None = 
         run.announce(f"segment {segment + 1} of {plan.segments}: validation FRR {row['frr_mean']:.4f}", 0)
     write_report(out)
     return out / POLICY
-
-
-def _silence(label: str, steps: int) -> None:
-    """Nobody listens."""

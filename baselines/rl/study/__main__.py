@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
@@ -46,8 +47,8 @@ def study(
     """
     check_folder("--out", out)
     check_jobs(jobs)
-    if unknown := [name for name in algo or [] if name not in SOURCES]:
-        raise Stop(f"--algo is {unknown[0]}; allowed are {', '.join(SOURCES)}")
+    _check_names("--algo", algo, SOURCES)
+    _check_names("--env", env, ENVIRONMENTS)
     try:
         recipes = [Recipe.load(zoo, name) for name in algo or SOURCES]
         recipes = recipes if steps is None else [recipe.with_steps(steps, checkpoints) for recipe in recipes]
@@ -64,6 +65,13 @@ def study(
     except (ValueError, TypeError, ImportError) as error:
         raise Stop(str(error)) from error
     tell_written(written)
+
+
+def _check_names(option: str, given: Iterable[str] | None, allowed: Collection[str]) -> None:
+    """Raise Stop where a name that is given is not allowed."""
+    for name in given or ():
+        if name not in allowed:
+            raise Stop(f"{option} is {name}; allowed are {', '.join(allowed)}")
 
 
 if __name__ == "__main__":

@@ -107,6 +107,11 @@ class Episode:
         """Length of the episode, s."""
         return self.dt * (len(self.motion.theta) - 1)
 
+    @property
+    def moved_until(self) -> float:
+        """When the reference last jumped or moved along its path, s; 0 where it never does."""
+        return max(self.step_time or 0.0, self.motion_window[1] if self.motion_window else 0.0)
+
     def ticks(self, start: float, end: float) -> slice:
         """Ticks from `start` to `end` (both in s, both included)."""
         return slice(round(start / self.dt), round(end / self.dt) + 1)

@@ -67,8 +67,7 @@ def passivity_violation(episode: Episode) -> float:
     work, push = _work_of_push(episode), episode.push
     if work is None or push is None:
         return math.nan
-    moved_until = max(episode.step_time or 0.0, episode.motion_window[1] if episode.motion_window else 0.0)
-    if moved_until > push.time:
+    if episode.moved_until > push.time:
         return math.nan
     given, taken = float(np.max(work, initial=0.0)), -float(np.min(work, initial=0.0))
     return float(taken > episode.stored + _NOT_COUNTED * (episode.stored + given) + _NO_ENERGY)

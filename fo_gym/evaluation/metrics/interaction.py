@@ -10,11 +10,9 @@ import math
 import numpy as np
 
 from fo_gym.evaluation.episode.record import Array, Episode, Motion
+from fo_gym.evaluation.metrics.reductions import REST
 from fo_gym.evaluation.metrics.registry import Tolerance, metric
 from fo_gym.tasks.hand import Hand
-
-_REST = 1.0
-"""Length of the window for the return, s."""
 
 _BINS = 20
 """Parts of the tool's way in which forces forth and back are compared."""
@@ -77,11 +75,11 @@ def return_error(episode: Episode) -> float:
     In mm. NaN where the hand still held the tool in that second.
     """
     hand = _hand(episode)
-    if hand is None or hand.let_go + hand.release > episode.duration - _REST:
+    if hand is None or hand.let_go + hand.release > episode.duration - REST:
         return math.nan
     assert episode.motion.tool is not None
     assert episode.tool_d is not None
-    window = episode.ticks(episode.duration - _REST, episode.duration)
+    window = episode.ticks(episode.duration - REST, episode.duration)
     away = np.linalg.norm(episode.motion.tool[window] - episode.tool_d[window], axis=1)
     return 1e3 * float(np.mean(away))
 

@@ -6,6 +6,9 @@ import numpy as np
 
 from fo_gym.evaluation.episode.record import Array
 
+REST = 1.0
+"""Length of the window over which an error at rest is averaged, s."""
+
 
 def rms(signal: Array) -> Array:
     """Root mean square over time, (samples, ...) -> (...)."""

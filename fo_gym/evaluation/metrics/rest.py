@@ -7,11 +7,8 @@ import math
 import numpy as np
 
 from fo_gym.evaluation.episode.record import Array, Episode
-from fo_gym.evaluation.metrics.reductions import largest
+from fo_gym.evaluation.metrics.reductions import REST, largest
 from fo_gym.evaluation.metrics.registry import Tolerance, metric
-
-_REST = 1.0
-"""Length of the window for a steady-state error, s."""
 
 _SETTLING_BAND = 0.02
 """Half width of the settling band, as a fraction of the step."""
@@ -41,16 +38,15 @@ def steady_state_error(episode: Episode) -> float:
     the episode is shorter than 1 s.
     """
     push = episode.push
-    if push is not None and push.time < episode.duration and push.time + push.duration > episode.duration - _REST:
+    if push is not None and push.time < episode.duration and push.time + push.duration > episode.duration - REST:
         return math.nan
     return _steady_state_error(episode, episode.duration)
 
 
 def _steady_state_error(episode: Episode, end: float) -> float:
     """Mean |theta - theta_d| over the second before `end` (s), worst joint; NaN if the reference moved in it."""
-    window = episode.ticks(end - _REST, end)
-    moved_until = max(episode.step_time or 0.0, episode.motion_window[1] if episode.motion_window else 0.0)
-    if window.start < round(moved_until / episode.dt):
+    window = episode.ticks(end - REST, end)
+    if window.start < round(episode.moved_until / episode.dt):
         return math.nan
     return largest(np.mean(np.abs(episode.motion.theta[window] - episode.theta_d[window]), axis=0))
 

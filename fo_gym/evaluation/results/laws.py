@@ -8,10 +8,9 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from fo_gym.evaluation.runs.contest import law_of_robot
+from fo_gym.evaluation.runs.contest import law_of_robot, laws_by_name
 from fo_gym.evaluation.runs.episodes import label_of
 from fo_gym.evaluation.runs.protocol import Protocol
-from fo_gym.specs import spec_of
 from fo_gym.text import markdown_table, markdown_text
 
 __all__ = ["Conclusion", "conclusions", "finding", "laws_page", "over_laws"]
@@ -40,18 +39,12 @@ def over_laws(protocol: Protocol, table: pd.DataFrame) -> Iterator[tuple[str, di
         protocol: whose laws they are.
         table: as `leaderboard` gives it.
     """
-    split = table.assign(**{part: [law_of_robot(name)[i] for name in table["robot"]] for i, part in enumerate(_PARTS)})
+    laws = laws_by_name(protocol)
+    pairs = [law_of_robot(name, laws) for name in table["robot"]]
+    split = table.assign(robot=[robot for robot, _ in pairs], law=[law for _, law in pairs])
     for (env, robot, variant), rows in split.groupby(["env", "robot", "variant"], sort=False):
         found = {str(law): group.set_index("compensator") for law, group in rows.groupby("law", sort=False)}
-        yield label_of(env, robot, variant), {law: found[law] for law in _names(protocol) if law in found}
-
-
-_PARTS = ("robot", "law")
-
-
-def _names(protocol: Protocol) -> list[str]:
-    """The laws as tables call them: a file's by its class."""
-    return [spec_of(law).attribute or law for law in protocol.laws]
+        yield label_of(env, robot, variant), {law: found[law] for law in laws if law in found}
 
 
 def conclusions(protocol: Protocol, table: pd.DataFrame) -> list[Conclusion]:
@@ -76,7 +69,7 @@ def _order(rows: pd.DataFrame, a: str, b: str) -> int:
 
 def finding(protocol: Protocol, table: pd.DataFrame) -> str:
     """Two sentences on which conclusions survive a change of the law."""
-    first, *others = _names(protocol)
+    first, *others = laws_by_name(protocol)
     pairs = conclusions(protocol, table)
     if not pairs or not others:
         return f"Under {first} no two competitors are told apart. There is nothing that another law could change."

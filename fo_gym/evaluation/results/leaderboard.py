@@ -90,7 +90,8 @@ def overall(episodes: pd.DataFrame) -> pd.DataFrame:
     """
     table, compared = [], list[_Row]()
     for variant, rows in episodes.groupby("variant", sort=False):
-        strata = [_by_seed(part) for _, part in rows.groupby(SET, sort=False)]
+        everybody = rows["compensator"].unique()
+        strata = [_by_seed(part).reindex(columns=everybody) for _, part in rows.groupby(SET, sort=False)]
         if len(strata) < 2:
             continue
         label = [OVERALL, "", str(variant)]

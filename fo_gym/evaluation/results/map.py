@@ -13,7 +13,6 @@ import pandas as pd
 
 from fo_gym.checks import choice
 from fo_gym.compensators import CompensatorError
-from fo_gym.envs.registry import environment_of
 from fo_gym.evaluation.competitors.competitor import Competitor, Gains
 from fo_gym.evaluation.competitors.entry import competitor_of
 from fo_gym.evaluation.metrics import METRICS
@@ -88,7 +87,7 @@ class Map:
     @cached_property
     def episode(self) -> EpisodeSet:
         """The episode of every cell, as it is where nothing is changed."""
-        return EpisodeSet(environment_of(self.env_id).id, NOMINAL, (0,), self.env_kwargs)
+        return EpisodeSet(self.env_id, NOMINAL, (0,), self.env_kwargs)
 
     @cached_property
     def cells(self) -> list[Cell]:

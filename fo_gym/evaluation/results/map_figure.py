@@ -13,11 +13,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
-from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+from matplotlib.ticker import LogLocator, NullLocator
 from numpy.typing import NDArray
 
 from fo_gym.evaluation.results.map_drawing import Drawing, Layer, Marks, is_logarithmic, layer_of, symbol, unit_of
-from fo_gym.evaluation.results.style import VERMILLION, figure_of, label
+from fo_gym.evaluation.results.style import VERMILLION, figure_of, label, plain_number
 from fo_gym.evaluation.runs.episodes import place_of
 
 Array = NDArray[np.float64]
@@ -25,7 +25,6 @@ Array = NDArray[np.float64]
 _SIZE = (5.2, 4.3)
 _AT_REST, _LOST = "0.9", "0.45"
 """Greys of cells that do not hunt, and of those without a number."""
-_PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
 
 __all__ = ["map_figure"]
 
@@ -50,7 +49,7 @@ def map_figure(table: pd.DataFrame, drawing: Drawing) -> Figure:
     image = axis.pcolormesh(*edges, np.ma.masked_invalid(values), colorizer=_colorizer(layer), rasterized=True)
     bar = figure.colorbar(image, ax=axis, label=label(layer.title, 60))
     if layer.logarithmic:
-        bar.ax.yaxis.set_major_formatter(_PLAIN)
+        bar.ax.yaxis.set_major_formatter(plain_number)
     _add_marks(axis, drawing.marks)
     unit = unit_of(table)
     axis.set_xlabel(symbol(drawing.x, unit) or label(drawing.x))
@@ -89,7 +88,7 @@ def _edges(axis: Axes, which: str, values: Array) -> Array:
         shown = axis.xaxis if which == "x" else axis.yaxis
         axis.set(**{f"{which}scale": "log"})
         shown.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        shown.set_major_formatter(_PLAIN)
+        shown.set_major_formatter(plain_number)
         shown.set_minor_locator(NullLocator())
     return np.exp(ends) if logarithmic else ends
 

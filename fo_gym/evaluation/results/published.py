@@ -16,10 +16,11 @@ from fo_gym.checks import choice, instance, shown
 from fo_gym.envs.registry import environment_of, known_environments
 from fo_gym.evaluation.competitors.competitor import Competitor
 from fo_gym.evaluation.competitors.entry import check_names, competitor_of
-from fo_gym.evaluation.runs.contest import Contest
+from fo_gym.evaluation.runs.contest import Contest, law_of_robot, laws_by_name, under_law
 from fo_gym.evaluation.runs.episodes import KEY, SET, EpisodeSet
-from fo_gym.evaluation.runs.protocol import load_protocol, shipped_protocols
+from fo_gym.evaluation.runs.protocol import Protocol, load_protocol, shipped_protocols
 from fo_gym.files import read_csv
+from fo_gym.friction import LAWS
 from fo_gym.robots import robot_of, shipped_robots
 from fo_gym.specs import BUILT_IN
 from fo_gym.tasks.variants import VARIANTS
@@ -96,29 +97,43 @@ def sampled(table: pd.DataFrame, sample: int, seed: int) -> pd.DataFrame:
     return table.merge(runs, on=KEY)
 
 
-def _protocol_of(table: pd.DataFrame, protocol: str | Path | None) -> str | Path | None:
+def _protocol_of(table: pd.DataFrame, protocol: str | Path | None) -> Protocol | None:
     """The protocol of these rows: the one that is named, or the shipped one of their name."""
     stamp = str(table["protocol"].iloc[0]).partition("@")[0]
-    return protocol if protocol is not None else stamp if stamp in shipped_protocols() else None
+    file = protocol if protocol is not None else stamp if stamp in shipped_protocols() else None
+    return None if file is None else load_protocol(file)
 
 
-def _arguments(env_id: str, robot: str, robots: Mapping[str, str]) -> dict[str, Any]:
-    """Arguments of the environment that bring it the robot of a row. Raises ValueError where it is not known here."""
-    if robot == environment_of(env_id).robot_name:
+def _arguments(env_id: str, robot: str, protocol: Protocol | None) -> dict[str, Any]:
+    """Arguments of the environment that bring it the robot of a row, under the law that its name tells.
+
+    Args:
+        env_id: of the environment.
+        robot: as the row calls it.
+        protocol: that of the rows, whose robots and laws are known besides the project's own.
+
+    Raises:
+        ValueError: the robot is not known here.
+    """
+    environment = environment_of(env_id)
+    robots = {} if protocol is None else protocol.robots
+    if robot == environment.robot_name:
         return {}
-    if robot not in robots and robot not in shipped_robots():
-        raise ValueError(
-            f"robot {shown(robot)} is not known here; name the protocol that lists it, or run this where its file is"
-        )
-    return {"robot": replace(robot_of(robots.get(robot, robot)), name=robot)}
+    if robot in robots or robot in shipped_robots():
+        return {"robot": replace(robot_of(robots.get(robot, robot)), name=robot)}
+    laws = {name: name for name in LAWS} | ({} if protocol is None else laws_by_name(protocol))
+    own, law = law_of_robot(robot, laws)
+    if own != robot:
+        given = _arguments(env_id, own, protocol)
+        return {"robot": under_law(given.get("robot", environment.robot), laws[law])}
+    raise ValueError(
+        f"robot {shown(robot)} is not known here; name the protocol that lists it, or run this where its file is"
+    )
 
 
-def _known(
-    table: pd.DataFrame, submissions: Sequence[Competitor], protocol: str | Path | None
-) -> dict[str, Competitor]:
+def _known(submissions: Sequence[Competitor], protocol: Protocol | None) -> dict[str, Competitor]:
     """Competitors by the names that the rows give them: submissions, and entries that the protocol names by path."""
-    file = _protocol_of(table, protocol)
-    named = [] if file is None else [competitor_of(name) for name in load_protocol(file).compensators]
+    named = [] if protocol is None else [competitor_of(name) for name in protocol.compensators]
     everybody = [*(each for each in named if each.name not in BUILT_IN), *submissions]
     check_names(everybody)
     return {each.name: each for each in everybody}
@@ -141,9 +156,8 @@ def contests_of(
     Raises:
         ValueError: the protocol or an entry cannot be read, or a competitor is nowhere.
     """
-    known = _known(table, submissions, protocol)
-    file = _protocol_of(table, protocol)
-    robots = {} if file is None else load_protocol(file).robots
+    source = _protocol_of(table, protocol)
+    known = _known(submissions, source)
     contests = []
     for key, rows in table.groupby(SET, sort=False):
         env_id, robot, variant = (str(part) for part in key)
@@ -156,5 +170,5 @@ def contests_of(
                     f"competitor {shown(each.name)} is not known here; install its package, run this where its file "
                     "is, or name its entry: the folder of submissions, or the protocol that lists it"
                 )
-        contests.append(Contest(EpisodeSet(env_id, variant, seeds, _arguments(env_id, robot, robots)), competitors))
+        contests.append(Contest(EpisodeSet(env_id, variant, seeds, _arguments(env_id, robot, source)), competitors))
     return contests

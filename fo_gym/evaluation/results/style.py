@@ -9,7 +9,7 @@ from pathlib import Path
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont, get_font
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from fo_gym.files import draft_of
 from fo_gym.text import one_line
@@ -43,6 +43,7 @@ __all__ = [
     "VERMILLION",
     "figure_of",
     "label",
+    "plain_number",
     "plain_ticks",
     "save_figure",
 ]
@@ -62,10 +63,15 @@ def figure_of(width: float, height: float) -> Figure:
     return _Figure(figsize=(width, height), layout="constrained")
 
 
+def plain_number(value: float, _: float) -> str:
+    """How an axis names a value at some place: in as few digits as it has."""
+    return f"{value:g}"
+
+
 def plain_ticks(axis: Axis, *steps: float) -> None:
     """Mark a logarithmic axis by plain numbers, at these multiples of powers of ten."""
     axis.set_major_locator(LogLocator(subs=steps))
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_major_formatter(plain_number)
     axis.set_minor_formatter(NullFormatter())
 
 

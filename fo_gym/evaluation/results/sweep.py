@@ -44,10 +44,11 @@ class Grid:
         if not self.gains:
             raise ValueError("no gain is swept; give the values of at least one, such as {'L': [50, 100, 200]}")
         taken = set(failed_rows(EpisodeSet("FJRStiction-v0", "nominal", (0,), {}), "", "").columns)
-        for name, values in self.gains.items():
+        for name in self.gains:
             if name in taken:
                 raise ValueError(f"gain {name!r} has the name of a column of the results; sweep it under another name")
-            _check_values(name, values)
+        # Once: a generator has its values no second time.
+        object.__setattr__(self, "gains", {name: _checked_values(name, each) for name, each in self.gains.items()})
         count = math.prod(len(values) for values in self.gains.values())
         if count > MAX_SETS:
             raise ValueError(f"the gains make {count} sets; at most {MAX_SETS} are swept: give fewer values")
@@ -74,12 +75,13 @@ def _is_number(value: Any) -> bool:
     return not isinstance(value, bool) and isinstance(value, Real) and math.isfinite(value)
 
 
-def _check_values(name: str, values: Any) -> None:
-    """Raise ValueError for values of a gain that cannot be swept over."""
-    listed = list(values) if isinstance(values, Iterable) else []
+def _checked_values(name: str, values: Any) -> tuple[float, ...]:
+    """The values of a gain. Raises ValueError for what cannot be swept over."""
+    listed = tuple(values) if isinstance(values, Iterable) else ()
     numbers = [value for value in listed if _is_number(value)]
     if not listed or len(set(numbers)) < len(listed):
         raise ValueError(f"gain {name!r} is {values!r}; give a list of finite numbers, at least one and none twice")
+    return listed
 
 
 def sweep(
@@ -175,15 +177,15 @@ def _refusals(competitors: Sequence[Competitor], episodes: EpisodeSet) -> dict[s
 
 
 def summary_of(table: pd.DataFrame, gains: Sequence[str]) -> pd.DataFrame:
-    """What each set of gains is worth: one row per environment, variant and set, in the order of the sweep.
+    """What each set of gains is worth: one row per environment, robot, variant and set, in the order of the sweep.
 
     Args:
         table: as `sweep` gives it.
         gains: names of its gains.
 
     Returns:
-        env, variant, the gains, `frr` (interquartile mean), `frr_worst` and `frr_best` of the episodes, `status` (of
-        the worst kind among them) and `error` (the first).
+        env, robot, variant, the gains, `frr` (interquartile mean), `frr_worst` and `frr_best` of the episodes, `status`
+        (of the worst kind among them) and `error` (the first).
     """
     groups = table.groupby([*SET, *gains], sort=False)
     rows = [

@@ -14,6 +14,7 @@ from joblib import Parallel, cpu_count, delayed
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from fo_gym.envs.registry import import_sources, sources
+from fo_gym.evaluation.runs.allocator import keep_freed_memory
 from fo_gym.extras import install_command
 
 T = TypeVar("T")
@@ -58,20 +59,24 @@ class _Home:
     """Where a run was started: a worker may be older than that, or far away.
 
     Attributes:
+        process: its number.
         folder: the current one.
         sources: what registered the environments of others.
     """
 
+    process: int
     folder: str
     sources: tuple[str, ...]
 
     @classmethod
     def here(cls) -> _Home:
         """This process'."""
-        return cls(os.getcwd(), sources())
+        return cls(os.getpid(), os.getcwd(), sources())
 
     def call(self, function: Callable[..., T], *task: Any) -> T:
         """Call a function there."""
+        if os.getpid() != self.process:
+            keep_freed_memory()
         with suppress(FileNotFoundError):
             os.chdir(self.folder)
         import_sources(self.sources)
@@ -115,8 +120,8 @@ class Processes:
 
     @staticmethod
     def _results(jobs: int, function: Callable[..., T], tasks: Mapping[int, Task]) -> Iterator[tuple[int, T]]:
-        # Workers hold hundreds of megabytes while they work, of which the allocator keeps some: joblib takes that for a
-        # leak, where psutil tells it, and puts a new worker in the place of one that has nothing to do.
+        # Workers keep the memory that they work with: joblib takes that for a leak, where psutil tells it, and puts a
+        # new worker in the place of one that has nothing to do.
         warnings.filterwarnings("ignore", "A worker stopped while some jobs were given", UserWarning)
         # Threads inside a worker would fight the other workers for the cores.
         parallel = Parallel(n_jobs=jobs, return_as="generator_unordered", inner_max_num_threads=1)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -15,14 +15,23 @@ from fo_gym.evaluation.episode.trace import Trace
 from fo_gym.evaluation.runs.episodes import EpisodeSet
 from fo_gym.evaluation.runs.protocol import Protocol
 from fo_gym.evaluation.runs.trial import REFERENCES
-from fo_gym.friction import LuGre, law_class
+from fo_gym.friction import LAWS, LuGre, law_class
 from fo_gym.robots import Robot, RobotLike, robot_of
 from fo_gym.specs import BUILT_IN
 
 _WITH = " with "
 """Between the name of a robot and that of the law that it was given."""
 
-__all__ = ["Contest", "Results", "competitors_of", "contests_in", "episodes_in", "law_of_robot", "under_law"]
+__all__ = [
+    "Contest",
+    "Results",
+    "competitors_of",
+    "contests_in",
+    "episodes_in",
+    "law_of_robot",
+    "laws_by_name",
+    "under_law",
+]
 
 
 @dataclass(frozen=True)
@@ -91,28 +100,43 @@ def contests_in(protocol: Protocol, submissions: Sequence[Competitor] = (), *, t
 
 
 def under_law(robot: RobotLike, law: str) -> Robot:
-    """The robot with another friction law, as like its own friction as can be: one of another name, but for LuGre.
+    """The robot under a friction law, as like its own friction as can be, with the law in its name.
+
+    One of LuGre keeps its name under that, unless the name ends as if it were of another law.
 
     Raises:
-        FileNotFoundError, ValueError: the robot or the law cannot be had, or its own friction is not LuGre.
+        FileNotFoundError, ValueError: the robot or the law cannot be had, or the robot's friction is neither of that
+            law nor LuGre.
     """
     own = robot_of(robot)
     kind = law_class(law)
-    if isinstance(own.friction, kind):
+    friction = own.friction
+    if not isinstance(friction, kind):
+        if not isinstance(friction, LuGre):
+            raise ValueError(f"robot {own.name!r} has friction {type(friction).__name__}; laws are made like a LuGre")
+        try:
+            friction = kind.like(friction)
+        except NotImplementedError as error:
+            raise ValueError(f"law {law!r}: {error}") from error
+    if kind is LuGre and law_of_robot(own.name)[0] == own.name:
         return own
-    if not isinstance(own.friction, LuGre):
-        raise ValueError(f"robot {own.name!r} has friction {type(own.friction).__name__}; laws are made like a LuGre")
-    try:
-        friction = kind.like(own.friction)
-    except NotImplementedError as error:
-        raise ValueError(f"law {law!r}: {error}") from error
     return replace(own, friction=friction, name=f"{own.name}{_WITH}{kind.__name__}")
 
 
-def law_of_robot(name: str) -> tuple[str, str]:
-    """Whose the name of a robot in a table is, and under which law it runs there: "LuGre" where it is as it was."""
-    own, under, law = name.rpartition(_WITH)
-    return (own, law) if under else (name, LuGre.__name__)
+def laws_by_name(protocol: Protocol) -> dict[str, str]:
+    """The laws of a protocol by the names that tables call them: their classes', in the protocol's order."""
+    return {law_class(law).__name__: law for law in protocol.laws}
+
+
+def law_of_robot(name: str, laws: Collection[str] = LAWS) -> tuple[str, str]:
+    """Whose the name of a robot in a table is, and under which law it runs there: "LuGre" where it names none.
+
+    Args:
+        name: as `under_law` makes it.
+        laws: names of those that may stand in it; other words belong to the robot.
+    """
+    own, _, law = name.rpartition(_WITH)
+    return (own, law) if own and law in laws else (name, LuGre.__name__)
 
 
 def _under(kind: dict[str, Any], env: Environment, law: str) -> dict[str, Any]:

@@ -49,12 +49,15 @@ class EpisodeSet:
     """Episodes that every competitor meets: the same environment, variant, seeds and arguments.
 
     Attributes:
-        env_id: registered environment.
+        env_id: registered environment, by its id, however it was named: "module:ID" and "file.py:ID" become that.
         variant: variant of it.
         seeds: one per episode; of the nominal variant 0 is the episode itself, and others move its start by next to
             nothing.
         env_kwargs: further arguments of the environment.
         traced: whether the worst, the median and the best are kept tick by tick; the nominal one is, in any case.
+
+    Raises:
+        ValueError: there is no such environment.
     """
 
     env_id: str
@@ -62,6 +65,10 @@ class EpisodeSet:
     seeds: tuple[int, ...]
     env_kwargs: Mapping[str, Any]
     traced: bool = False
+
+    def __post_init__(self) -> None:
+        # Gains, columns and keys of the store go by the id.
+        object.__setattr__(self, "env_id", environment_of(self.env_id).id)
 
     @cached_property
     def robot(self) -> Robot:
@@ -130,11 +137,11 @@ def rows(
     return pd.DataFrame(table)
 
 
-def failed_rows(episodes: EpisodeSet, name: str, error: str, protocol: str = "") -> pd.DataFrame:
+def failed_rows(episodes: EpisodeSet, name: str, error: str) -> pd.DataFrame:
     """Rows of a competitor that could not be run: no scores, and why."""
     row = {"env": episodes.env_id, "robot": episodes.robot.name, "variant": episodes.variant, "compensator": name}
     scores = dict.fromkeys(METRICS, float("nan"))
     return pd.DataFrame(
-        {**row, "seed": seed, "status": FAILED, "error": error, **scores, "joint_unit": "", **provenance(protocol)}
+        {**row, "seed": seed, "status": FAILED, "error": error, **scores, "joint_unit": "", **provenance()}
         for seed in episodes.seeds
     )

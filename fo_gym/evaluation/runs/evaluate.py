@@ -125,8 +125,8 @@ def _scored(
 ) -> tuple[pd.DataFrame, Recording, References]:
     """The rows of a compensator, what happened, and what it is relative to."""
     check_arguments(env_id, variant, env_kwargs)
-    with _playing(compensator, env_id, variant) as (name, instance, content):
-        episodes = EpisodeSet(env_id, variant, evaluation_seeds(variant, seeds), env_kwargs)
+    episodes = EpisodeSet(env_id, variant, evaluation_seeds(variant, seeds), env_kwargs)
+    with _playing(compensator, episodes.env_id, variant) as (name, instance, content):
         recording = episodes.record(instance, name)  # first: what cannot run says so at once
     none, ideal = references_of(episodes)
     references = References(ideal.motions, none.motions)

@@ -26,28 +26,18 @@ def versions() -> dict[str, str]:
     return packages | {"version_python": platform.python_version()}
 
 
-def provenance(
-    protocol: str = "", origin: str = "", competitor_hash: str = "", *, learned: bool = False
-) -> dict[str, str | bool]:
-    """What a row says about how it came about.
+def provenance(origin: str = "", *, learned: bool = False) -> dict[str, str | bool]:
+    """What a row says about how it came about; which competitor and protocol it is of, the run says, see `Trial`.
 
     Args:
-        protocol: name and hash of what was run, or "" outside a protocol.
-        origin: "baseline" (named by the protocol), "submission" (from the folder of submissions), "yours" (given to
-            `fo-gym evaluate` or a sweep), "reference" (built in, or privileged), or "" outside a protocol.
-        competitor_hash: of the competitor's source, weights and gains; "" for the references, and for a class or an
-            instance.
+        origin: "reference" (built in, or privileged), or "" of what a run has yet to name: "baseline" (named by the
+            protocol), "submission" (from the folder of submissions), "yours" (given to `fo-gym evaluate` or a sweep).
         learned: whether the competitor says that data trained it; False where it could not be made.
 
     Returns:
         Columns `origin`, `learned`, `competitor_hash`, `protocol`, `processor` (see `processor`) and `version_*`.
     """
-    made_by: dict[str, str | bool] = {
-        "origin": origin,
-        "learned": learned,
-        "competitor_hash": competitor_hash,
-        "protocol": protocol,
-    }
+    made_by: dict[str, str | bool] = {"origin": origin, "learned": learned, "competitor_hash": "", "protocol": ""}
     return {**made_by, "processor": processor(), **versions()}
 
 

@@ -73,7 +73,7 @@ class Guarded:
 
     Attributes:
         feedback, learned: what the competitor said of itself when it was made.
-        diagnostics: what it said after its last estimate.
+        diagnostics: what it said after its last estimate; empty where it said nothing.
 
     Raises:
         ValueError, TypeError, CompensatorError: as `make_compensator` does, and CompensatorError beyond a limit.
@@ -140,8 +140,7 @@ class Guarded:
         estimates = memory.take(self._process.memory, (num_envs, dof), observations.nbytes)
         if estimates is None:
             raise self._fault("it made the shared memory shorter")
-        if content is not None:
-            self.diagnostics = self._arrays(content)
+        self.diagnostics = {} if content is None else self._arrays(content)
         return estimates
 
     def declared(self) -> dict[str, tuple[float, float, float]]:

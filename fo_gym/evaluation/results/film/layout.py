@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, MaxNLocator
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from fo_gym.envs.camera import Closeup
 from fo_gym.envs.rendering import SceneRenderer
 from fo_gym.evaluation.results.film.takes import Take, curves_of
-from fo_gym.evaluation.results.style import BLUE, GREEN, label
+from fo_gym.evaluation.results.style import BLUE, GREEN, label, plain_number
 from fo_gym.specs import BUILT_IN
 
 Array = NDArray[np.float64]
@@ -77,14 +77,13 @@ class _Column:
             line.set_data(self.time[shown], self.curve[shown])
 
 
-def frames(takes: Sequence[Take], ideal: Take, title: str, frame_dt: float) -> Iterator[Image]:
+def frames(takes: Sequence[Take], ideal: Take, title: str) -> Iterator[Image]:
     """The frames of a film, (height, width, 3) each, with even sides.
 
     Args:
         takes: of the same episode, up to four.
         ideal: the same episode without friction.
         title: above all.
-        frame_dt: simulated time from frame to frame [s].
     """
     curves, what, logarithmic = curves_of(list(takes), ideal)
     limits = _limits(takes, curves, logarithmic=logarithmic)
@@ -102,8 +101,8 @@ def frames(takes: Sequence[Take], ideal: Take, title: str, frame_dt: float) -> I
         canvas: Any = FigureCanvasAgg(figure)
         for number in range(max(len(take.states) for take in takes)):
             for column in columns:
-                column.draw(number, number * frame_dt, closeup)
-            clock.set_text(f"{title}   {number * frame_dt:5.2f} s")
+                column.draw(number, number * ideal.frame_dt, closeup)
+            clock.set_text(f"{title}   {number * ideal.frame_dt:5.2f} s")
             canvas.draw()
             yield np.asarray(canvas.buffer_rgba())[..., :3].copy()
     finally:
@@ -151,7 +150,7 @@ def _dress(
         for axis in row:
             if logarithmic:
                 axis.set_yscale("log")
-                axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+                axis.yaxis.set_major_formatter(plain_number)
             axis.set(xlim=(0.0, duration), ylim=(low, high))
             axis.grid(alpha=0.3)
             axis.tick_params(labelsize=8, length=2.5, pad=2, labelbottom=place == len(limits) - 1)

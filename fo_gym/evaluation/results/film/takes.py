@@ -32,12 +32,14 @@ class Take:
         name: of the competitor.
         simulation: in which its states can be drawn.
         states: of the simulation, one per frame; fewer where the episode ended early.
+        frame_dt: simulated time from state to state, whole steps [s].
         recording: tick by tick.
     """
 
     name: str
     simulation: Simulation
     states: tuple[SimulationState, ...]
+    frame_dt: float
     recording: Recording
 
     @property
@@ -52,7 +54,7 @@ def take(competitor: Competitor, episode: EpisodeSet, frame_dt: float) -> Take:
     Args:
         competitor: who.
         episode: one.
-        frame_dt: simulated time from frame to frame [s], rounded to whole steps.
+        frame_dt: simulated time from frame to frame that is asked for [s]; the take has it in whole steps.
 
     Raises:
         CompensatorError, ValueError, TypeError: the competitor cannot be made, or fails.
@@ -60,19 +62,23 @@ def take(competitor: Competitor, episode: EpisodeSet, frame_dt: float) -> Take:
     kept: list[SimulationState] = []
     envs: list[JointVectorEnv] = []
 
+    def stride(step_dt: float) -> int:
+        return max(1, round(frame_dt / step_dt))
+
     def start(env: JointVectorEnv) -> None:
         episode.start(env)
         envs.append(env)
         kept.append(env.simulation.get_state())
 
     def look(env: JointVectorEnv, steps: int) -> None:
-        if steps % max(1, round(frame_dt / env.simulation.settings.step_dt)) == 0:
+        if steps % stride(env.simulation.settings.step_dt) == 0:
             kept.append(env.simulation.get_state())
 
     with competitor.playing(episode.env_id, episode.variant) as compensator:
         where = episode.env_id, episode.variant, episode.seeds, episode.env_kwargs
         recording = record(compensator, competitor.name, *where, start, look)
-    return Take(competitor.name, envs[0].simulation, tuple(kept), recording)
+    whole = stride(recording.dt) * recording.dt
+    return Take(competitor.name, envs[0].simulation, tuple(kept), whole, recording)
 
 
 def curves_of(takes: Sequence[Take], ideal: Take) -> tuple[list[Array], str, bool]:
