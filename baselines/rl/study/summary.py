@@ -121,7 +121,7 @@ def figure(points: pd.DataFrame) -> Figure:
 def write_summary(out: Path) -> list[Path]:
     """Write curves.csv, table.csv, table.md and curves.png of the runs that are done; returns the files."""
     rows = collect(out)
-    points, lines = curves(rows), table(rows)
+    points, lines = curves(rows), read_csv(csv(table(rows)))  # whoever reads the file rounds as the page does
     for name, text in (("curves.csv", csv(points)), ("table.csv", csv(lines)), ("table.md", page(lines))):
         atomic(out / name, text)
     with draft_of(out / "curves.png") as draft:
