@@ -129,6 +129,7 @@ def _opened(kinds: Any) -> Any:
     """What a compiled function calls to get the values of these types from the table at an address."""
 
     def read(context: Any, builder: Any, words: Iterator[Any], kind: Any) -> Any:
+        """Code for the value of one type, made of the next words of the table."""
         parts: Any = kind
         if isinstance(kind, types.BaseTuple):
             return context.make_tuple(builder, kind, [read(context, builder, words, each) for each in parts])
@@ -151,6 +152,8 @@ def _opened(kinds: Any) -> Any:
 
     @intrinsic
     def opened(_typing: Any, table: Any) -> Any:
+        """The type of all values together, and what writes the code that reads them."""
+
         def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
             integer = context.get_value_type(types.int64)
             start = builder.inttoptr(arguments[0], integer.as_pointer())

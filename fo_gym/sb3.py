@@ -90,7 +90,8 @@ class VecEnvAdapter(VecEnv):
 
     def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
         """The batch's attribute, once for every index."""
-        return [self._found(attr_name)] * len(list(self._get_indices(indices)))
+        value = self._found(attr_name)
+        return [value for _ in self._get_indices(indices)]
 
     def _found(self, name: str) -> Any:
         """What the wrapper has of this name, or else the batch itself."""

@@ -35,9 +35,9 @@ __all__ = [
     "ROWS",
     "VELOCITY_GAIN",
     "Ratios",
-    "action_scale",
     "scaled",
     "torque_ratios",
+    "torque_share",
 ]
 
 
@@ -98,13 +98,12 @@ def scaled(signals: Signals, motor_inertia: Array, torque_limit: Array) -> NDArr
     return np.clip(together, -LARGEST, LARGEST).astype(np.float32)
 
 
-def action_scale(torque_limit: Array, action_mode: str, share: float | None = None) -> Array:
-    """What the action 1 means, (dof,) [N | N m].
+def torque_share(action_mode: str, share: float | None = None) -> float:
+    """What the action 1 means, as a share of the torque limit.
 
     Args:
-        torque_limit: of the joints, (dof,).
         action_mode: "compensation" or "torque".
-        share: of the torque limit, above 0, at most 1; None means that of ACTION_SHARES.
+        share: above 0, at most 1; None means that of ACTION_SHARES.
 
     Raises:
         ValueError: the share is out of bounds.
@@ -112,4 +111,4 @@ def action_scale(torque_limit: Array, action_mode: str, share: float | None = No
     chosen = ACTION_SHARES[action_mode] if share is None else number("action_share", share, POSITIVE)
     if chosen > 1.0:
         raise ValueError(f"action_share is {chosen:g}; torques above the torque limit are clipped: give at most 1")
-    return chosen * torque_limit
+    return chosen

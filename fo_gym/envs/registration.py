@@ -10,17 +10,14 @@ from pathlib import Path
 from typing import Any
 
 from fo_gym.checks import shown, text
-from fo_gym.envs.registry import ENVIRONMENTS, Environment, add
+from fo_gym.envs.registry import ENVIRONMENTS, TAGS, Environment, add
 from fo_gym.modules import is_of_file
 from fo_gym.robots import RobotLike, robot_of
 from fo_gym.tasks.task import TaskLike, made_for
 
-TAGS = ("link", "arm", "step", "path", "square", "hand")
-"""What an environment may be said to be."""
+__all__ = ["register"]
 
 _OWN = "own"
-
-__all__ = ["TAGS", "register"]
 
 
 def register(env_id: str, robot: RobotLike, task: TaskLike, *, tags: Iterable[str] = ("arm",)) -> None:
@@ -34,7 +31,7 @@ def register(env_id: str, robot: RobotLike, task: TaskLike, *, tags: Iterable[st
         env_id: a Gymnasium id such as "MyTask-v0".
         robot: a Robot, the name of a shipped one, or a file.
         task: a Task, or a function that makes one for a robot.
-        tags: what it is, of TAGS; "arm" has the commands run it on other robots.
+        tags: what it is, of link, arm, step, path, square, hand; "arm" has the commands run it on other robots.
 
     Raises:
         ValueError: the id is none or taken, a tag is unknown, the robot cannot be had, or the task does not suit it.

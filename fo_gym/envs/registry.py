@@ -24,9 +24,13 @@ from fo_gym.specs import spec_of
 GROUP = "fo_gym.environments"
 """Entry points of modules that register environments when they are imported."""
 
+TAGS = ("link", "arm", "step", "path", "square", "hand")
+"""What an environment may be said to be; an "arm" takes any robot."""
+
 __all__ = [
     "ENVIRONMENTS",
     "GROUP",
+    "TAGS",
     "Environment",
     "add",
     "environment_of",
@@ -44,9 +48,7 @@ class Environment:
     Attributes:
         id: by which `gymnasium.make` finds it.
         entry_point: "module:Name", where NameEnv is the single and NameVectorEnv the batched environment.
-        tags: what it is, for whoever picks some of them: "link" | "arm" (takes any robot), "step" | "path" | "square" |
-            "hand",
-            and "own" of one that `register` made.
+        tags: what it is, for whoever picks some of them: of TAGS, and "own" of one that `register` made.
         robot: its own robot: the name of a shipped one, or a Robot.
         task: what `register` was given; None of the project's own, whose class names it.
         source: module or file that registered it, to be imported where it is not known; "" of the project's own.

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fo_gym.checks import POSITIVE, choice, number, whole_number
 from fo_gym.parameters import JointInfo
-from fo_gym.scaling import ACTION_SHARES, action_scale, scaled
+from fo_gym.scaling import ACTION_SHARES, scaled, torque_share
 from fo_gym.signals import Signals
 from fo_gym.wrappers.view import Frames
 
@@ -64,7 +64,7 @@ class AgentCompensator:
         self._policy = policy
         self._period = number("period", period, POSITIVE, "s")
         self._torque = action_mode == "torque"
-        self._share = action_scale(np.ones(()), action_mode, action_share)
+        self._share = torque_share(action_mode, action_share)
         self._stack = whole_number("stack", stack, 1)
 
     def reset(self, joints: JointInfo, num_envs: int) -> None:

@@ -9,7 +9,7 @@ from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
 from fo_gym.checks import real, whole_number
-from fo_gym.scaling import LARGEST, ROWS, action_scale, scaled
+from fo_gym.scaling import LARGEST, ROWS, scaled, torque_share
 from fo_gym.signals import Signals
 from fo_gym.simulation.simulation import Simulation
 
@@ -54,7 +54,7 @@ class View:
     Args:
         simulation: whose environment is wrapped.
         stack: observations that are seen together.
-        action_share: see `fo_gym.scaling.action_scale`.
+        action_share: see `fo_gym.scaling.torque_share`.
 
     Attributes:
         action_scale: what the action 1 means, (dof,) [N | N m].
@@ -72,7 +72,7 @@ class View:
         self._frames = Frames(stack)
         dof, references = simulation.dof, simulation.control.reference.shape[1]
         self._limit = np.broadcast_to(simulation.torque_limit, (dof,))
-        self.action_scale = action_scale(self._limit, simulation.settings.action_mode, action_share)
+        self.action_scale = torque_share(simulation.settings.action_mode, action_share) * self._limit
         size = self._frames.stack * (len(ROWS) * dof + 1 + references)
         self.observation_space = Box(-LARGEST, LARGEST, (size,), np.float32)
         self.action_space = Box(-1.0, 1.0, (dof,), np.float32)
