@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import copy
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import gymnasium as gym
 import numpy as np
 import pytest
 from environments import every_env, make
+from own_effects import Drift, Weak, replace_name
 
 import fo_gym
 from fo_gym import ENVIRONMENTS
@@ -18,39 +18,6 @@ from fo_gym.hardware import Effect, FrictionChange, Hardware
 from fo_gym.robots import Robot, robot_of
 
 STICTION, REGULATION = "FJRStiction-v0", "FJRRegulation-v0"
-
-
-@dataclass(frozen=True)
-class Drift(Effect):
-    """A torque sensor whose zero drifts, at a rate per episode, and is set anew now and then, a little wrong."""
-
-    largest: float = 0.5
-    period: float = 5e-3
-    noisy = True
-
-    def draw(self, dof, generator):
-        return {"rate": generator.uniform(-self.largest, self.largest, dof)}
-
-    def begin(self, episodes):
-        return {"zero": np.zeros_like(episodes.truth.tau_j), "since": np.zeros_like(episodes.time)}
-
-    def measure(self, readings, episodes):
-        memory = episodes.memory
-        due = episodes.time >= memory["since"] + self.period - 1e-9
-        memory["zero"] = np.where(due, 0.01 * episodes.standard_normal(), memory["zero"])
-        memory["since"] = np.where(due, episodes.time, memory["since"])
-        drift = episodes.drawn["rate"] * (episodes.time - memory["since"]) + memory["zero"]
-        return readings._replace(tau_j=readings.tau_j + drift)
-
-
-@dataclass(frozen=True)
-class Weak(Effect):
-    """Motors that give a share of what they are told."""
-
-    share: float
-
-    def command(self, tau_m, episodes):
-        return self.share * tau_m
 
 
 @dataclass(frozen=True)
@@ -149,11 +116,6 @@ class TestWhatTheyDo:
             assert scenario.push.time == 7.5
 
 
-def replace_name(effect, name):
-    """The effect under another name."""
-    return type(name, (type(effect),), {})(**vars(effect))
-
-
 class TestWhatHoldsForAll:
     @every_env
     def test_a_saved_state_goes_on_exactly(self, env_id):
@@ -227,109 +189,3 @@ class TestWhatHoldsForAll:
         arguments = {"variant": "hardware", "seeds": 1, "duration": 0.05}
         rows = fo_gym.evaluate("pd-high", STICTION, hardware=Hardware(others=(Drift(), Weak(0.9))), **arguments)
         assert (rows["status"] == "ok").all()
-
-
-class Broken(Effect):
-    """Gives what the test tells it to."""
-
-    def __init__(self, **answers):
-        self.answers = answers
-
-    def draw(self, dof, generator):
-        return self.answers.get("draw", {})
-
-    def begin(self, episodes):
-        return self.answers.get("begin", {})
-
-    def measure(self, readings, episodes):
-        episodes.memory.update(self.answers.get("remember", {}))
-        return self.answers.get("measure", readings)
-
-    def command(self, tau_m, episodes):
-        return self.answers.get("command", tau_m)
-
-    def motor_torque(self, episodes):
-        return self.answers.get("motor_torque", 0.0)
-
-    def friction(self, episodes):
-        return self.answers.get("friction", FrictionChange())
-
-
-@pytest.mark.parametrize(
-    ("answers", "message"),
-    [
-        ({"draw": {"x": "much"}}, "Broken.draw, x is 'much'"),
-        ({"begin": {"x": np.zeros(3)}}, r"Broken.begin, x is of shape \(3,\); it must have 1 rows"),
-        ({"remember": {"x": np.zeros(3)}}, "Broken, memory is .*give a mapping"),
-        ({"measure": None}, "Broken.measure is None; give a Readings"),
-        ({"measure": hw.Readings(0.0, np.zeros((1, 7)), np.zeros((1, 7)))}, r"Broken.measure, theta is of shape \(\)"),
-        ({"command": np.zeros(7)}, r"Broken.command is of shape \(7,\); it must be of shape \(1, 7\)"),
-        ({"motor_torque": np.zeros(6)}, r"Broken.motor_torque is of shape \(6,\); it must be of shape \(1, 7\)"),
-        ({"friction": (1.0, 0.0, 1.0)}, "Broken.friction is .*; give a FrictionChange"),
-        ({"friction": FrictionChange(dry=None)}, "Broken.friction, dry is None"),
-    ],
-)
-def test_what_an_effect_must_not_give(answers, message):
-    """It is told when the environment is made, and by the hook's name."""
-    with pytest.raises(ValueError, match=message):
-        gym.make(REGULATION, hardware=Hardware(others=(Broken(**answers),)))
-
-
-def test_noise_is_for_those_that_say_so():
-    class Silent(Drift):
-        noisy = False
-
-    with pytest.raises(ValueError, match="the effect draws noise; give its class noisy = True"):
-        gym.make(STICTION, hardware=Hardware(others=(Silent(),)))
-
-
-def test_the_truth_cannot_be_written_into():
-    class Vandal(Effect):
-        def measure(self, readings, episodes):
-            readings.theta[:] = 0.0
-            return readings
-
-    with pytest.raises(ValueError, match="read-only"):
-        gym.make(STICTION, hardware=Hardware(others=(Vandal(),)))
-
-
-@pytest.mark.parametrize(
-    ("others", "message"),
-    [
-        (Weak(0.5), r"Hardware.others is Weak\(share=0.5\); give a tuple"),
-        ((hw.Hardware(),), r"Hardware.others\[0\] is Hardware.*; give a Effect"),
-        ((Weak(0.5), Weak(0.2)), "Hardware has 2 effects named 'Weak'; give each of them a `name` of its own"),
-        ((replace_name(Weak(0.5), ""),), r"Hardware.others\[0\].name is ''; give a text that is not empty"),
-    ],
-)
-def test_what_is_no_effect(others, message):
-    with pytest.raises(ValueError, match=message):
-        Hardware(others=others)
-
-
-# --- Load on any law --------------------------------------------------------------------------------------------------
-
-M6 = {"gain": 0.1, "motor": 0.05, "stiction_load": 0.2, "stiction_motor": 0.03, "quadratic_load": 0.01}
-"""Of a gear, of the order of those that were identified (arXiv:2410.08650, MX-106)."""
-
-
-@pytest.mark.parametrize("law", [fo_gym.LuGre, fo_gym.ElastoPlastic, fo_gym.MaxwellSlip, fo_gym.Dahl])
-def test_load_acts_on_every_law_by_both_torques(law: Any) -> None:
-    """Friction as the plant has it is that of model M6 for the torques of motor and joint, written here anew."""
-    load = hw.LoadFriction(**M6, quadratic_motor=0.02)
-    friction = law.like(robot_of("single_link").friction)
-    env = gym.make("FJRStiction-v0", friction=friction, hardware=Hardware(load=load), action_mode="torque")
-    env.reset(seed=0)
-    plant: Any = env.unwrapped.simulation.plant  # type: ignore[attr-defined]
-    seen = set()
-    for tau_m in [6.0] * 40 + [-2.0] * 40 + [0.5] * 40:
-        tau_j = plant.tau_j.item()
-        env.step(np.array([tau_m]))
-        both = abs(0.05 * tau_m + 0.1 * tau_j)
-        square = 0.01 * tau_j**2 if abs(tau_m) > abs(tau_j) else 0.02 * tau_m**2
-        more = abs(0.03 * tau_m + 0.2 * tau_j) + (square if tau_m * tau_j > 0.0 else 0.0)
-        seen.add((tau_m * tau_j > 0.0, abs(tau_m) > abs(tau_j)))
-        assert plant._friction["f_c"].item() == pytest.approx(1.0 + both, rel=1e-12)
-        if law is not fo_gym.Dahl:
-            assert plant._friction["f_s"].item() == pytest.approx(1.5 + both + more, rel=1e-12)
-    assert len(seen) == 4, "a case of the model was not met"
